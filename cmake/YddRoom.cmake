@@ -1,0 +1,56 @@
+# ydd_room(<name> [ROOMS <room>...] [PUBLIC <lib>...] [PRIVATE <lib>...])
+#
+# One folder, one target ydd::<name>. Sources are all *.cc of the folder; *_test.cc beside them
+# become the test programme ydd_<name>_test. ROOMS may only name rooms above this one in
+# src/ydd/CMakeLists.txt (tools/check-architecture holds that against the includes too).
+# One precompiled header, shared by all targets.
+if(YDD_PCH)
+  file(WRITE ${CMAKE_BINARY_DIR}/pch.cc "")
+  add_library(ydd_pch STATIC ${CMAKE_BINARY_DIR}/pch.cc)
+  target_link_libraries(ydd_pch PRIVATE ydd::flags ydd_build_flags Eigen3::Eigen fmt::fmt
+                                        Threads::Threads)
+  target_precompile_headers(ydd_pch PRIVATE
+    <algorithm> <array> <cmath> <memory> <optional> <string> <vector>
+    <Eigen/Core> <Eigen/Geometry> <fmt/format.h>)
+endif()
+function(ydd_precompile target)
+  if(YDD_PCH)
+    target_precompile_headers(${target} REUSE_FROM ydd_pch)
+  endif()
+endfunction()
+
+function(ydd_room name)
+  cmake_parse_arguments(ROOM "" "" "ROOMS;PUBLIC;PRIVATE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS *.cc)
+  file(GLOB headers CONFIGURE_DEPENDS *.h)
+  set(tests ${sources})
+  list(FILTER sources EXCLUDE REGEX "_test\\.cc$")
+  list(FILTER tests INCLUDE REGEX "_test\\.cc$")
+  list(TRANSFORM ROOM_ROOMS PREPEND ydd::)
+  if(sources)
+    add_library(ydd_${name} STATIC ${sources})
+    target_link_libraries(ydd_${name} PUBLIC ydd::flags ${ROOM_ROOMS} ${ROOM_PUBLIC}
+                                      PRIVATE ${ROOM_PRIVATE} $<BUILD_INTERFACE:ydd_build_flags>)
+    target_include_directories(ydd_${name} PUBLIC
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
+    ydd_precompile(ydd_${name})
+  else()
+    add_library(ydd_${name} INTERFACE)
+    target_link_libraries(ydd_${name} INTERFACE ydd::flags ${ROOM_ROOMS} ${ROOM_PUBLIC})
+    target_include_directories(ydd_${name} INTERFACE
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
+  endif()
+  add_library(ydd::${name} ALIAS ydd_${name})
+  set_target_properties(ydd_${name} PROPERTIES EXPORT_NAME ${name})
+  set_property(GLOBAL APPEND PROPERTY YDD_ROOMS ydd_${name})
+  if(YDD_BUILD_TESTS AND tests)
+    add_executable(ydd_${name}_test ${tests})
+    target_link_libraries(ydd_${name}_test PRIVATE ydd::${name} ${ROOM_PRIVATE} ydd_build_flags
+                                                   GTest::gmock GTest::gtest_main)
+    target_compile_definitions(ydd_${name}_test PRIVATE
+      YDD_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+    ydd_precompile(ydd_${name}_test)
+    gtest_discover_tests(ydd_${name}_test TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 120
+                         PROPERTIES LABELS "quick" TIMEOUT 300)
+  endif()
+endfunction()

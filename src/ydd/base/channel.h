@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <utility>
+
+namespace ydd {
+
+/// A bounded queue between two threads; with Published<T> the only way values cross threads.
+///
+/// `close()` ends it: pushes are refused, pops drain what is left and then give nothing. A blocked
+/// call also returns when its stop token is triggered. Blocking pushes go downstream only.
+template <class T>
+class Channel {
+ public:
+  explicit Channel(std::size_t capacity) : capacity_(capacity) {}
+
+  /// Waits for room. False when closed or stopped; the value is then dropped.
+  bool push(T value, std::stop_token stop = {}) {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait(lock, stop, [&] { return closed_ || queue_.size() < capacity_; })) {
+      return false;
+    }
+    if (closed_) return false;
+    queue_.push_back(std::move(value));
+    changed_.notify_all();
+    return true;
+  }
+
+  /// False at once when full or closed.
+  bool try_push(T value) {
+    const std::lock_guard lock(mutex_);
+    if (closed_ || queue_.size() >= capacity_) return false;
+    queue_.push_back(std::move(value));
+    changed_.notify_all();
+    return true;
+  }
+
+  /// For live input: makes room by dropping the oldest value. Gives how many were dropped.
+  std::size_t push_dropping_oldest(T value) {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return 0;
+    std::size_t dropped = 0;
+    while (queue_.size() >= capacity_) {
+      queue_.pop_front();
+      ++dropped;
+    }
+    queue_.push_back(std::move(value));
+    changed_.notify_all();
+    return dropped;
+  }
+
+  /// Waits for a value. Nothing when closed and drained, or stopped.
+  std::optional<T> pop(std::stop_token stop = {}) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, stop, [&] { return closed_ || !queue_.empty(); });
+    if (queue_.empty() || stop.stop_requested()) return std::nullopt;
+    return take();
+  }
+
+  /// Nothing at once when empty.
+  std::optional<T> try_pop() {
+    const std::lock_guard lock(mutex_);
+    if (queue_.empty()) return std::nullopt;
+    return take();
+  }
+
+  void close() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+  }
+
+  std::size_t size() const {
+    const std::lock_guard lock(mutex_);
+    return queue_.size();
+  }
+
+ private:
+  std::optional<T> take() {
+    std::optional<T> value(std::move(queue_.front()));
+    queue_.pop_front();
+    changed_.notify_all();
+    return value;
+  }
+
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::deque<T> queue_;
+  const std::size_t capacity_;
+  bool closed_ = false;
+};
+
+}  // namespace ydd

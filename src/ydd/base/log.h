@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+/// Log lines go to standard error. Libraries log; only the application prints.
+namespace ydd::log {
+
+enum class Level { debug, info, warning, error, off };
+
+/// Lines below `level` are dropped. Default: info.
+void set_level(Level level);
+bool enabled(Level level);
+void write(Level level, std::string_view line);
+
+template <class... Args>
+void debug(fmt::format_string<Args...> format, Args&&... args) {
+  if (enabled(Level::debug)) write(Level::debug, fmt::format(format, std::forward<Args>(args)...));
+}
+template <class... Args>
+void info(fmt::format_string<Args...> format, Args&&... args) {
+  if (enabled(Level::info)) write(Level::info, fmt::format(format, std::forward<Args>(args)...));
+}
+template <class... Args>
+void warning(fmt::format_string<Args...> format, Args&&... args) {
+  if (enabled(Level::warning)) {
+    write(Level::warning, fmt::format(format, std::forward<Args>(args)...));
+  }
+}
+
+}  // namespace ydd::log

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "ydd/base/result.h"
+
+namespace ydd {
+
+/// Inclusive bounds of a numeric option.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
+
+/// One setting: where its value lives, what may stand there, and a sentence about it.
+struct Option {
+  std::string key;   ///< dotted: "orb.levels"
+  std::string unit;  ///< "px", "m", "s"; empty for a plain number
+  Range range;
+  std::vector<std::string> choices;  ///< of a text option; empty: any text
+  std::string sentence;
+  std::variant<bool*, int*, double*, std::string*> target;
+};
+
+/// All options of a structure, bound to its members.
+///
+/// A structure takes part by describing itself once:
+///
+///     struct OrbOptions {
+///       int levels = 8;
+///       void describe(OptionTable& t) { t.add("levels", levels, {1, 16}, "", "pyramid levels"); }
+///     };
+///
+/// and defaults, YAML files, `--set`, range checks, the saved effective configuration and the
+/// documentation all come from that. The structure must outlive the table.
+class OptionTable {
+ public:
+  void add(std::string_view key, bool& value, std::string_view sentence);
+  void add(std::string_view key, int& value, Range range, std::string_view unit,
+           std::string_view sentence);
+  void add(std::string_view key, double& value, Range range, std::string_view unit,
+           std::string_view sentence);
+  void add(std::string_view key, std::string& value, std::vector<std::string> choices,
+           std::string_view sentence);
+
+  /// Adds the options of `part` below `key`.
+  template <class Part>
+  void group(std::string_view key, Part& part) {
+    const std::string outer = prefix_;
+    prefix_ += std::string(key) + ".";
+    part.describe(*this);
+    prefix_ = outer;
+  }
+
+  /// Sets one option from text. `source` starts the message of a failure ("config.yaml:12").
+  /// Unknown key, wrong type and value out of range are errors that name the allowed ones.
+  Result<void> set(std::string_view key, std::string_view text, std::string_view source);
+
+  /// Sets options from "key=value" as given on the command line.
+  Result<void> set_assignment(std::string_view assignment, std::string_view source);
+
+  /// Reads a YAML file of nested maps; the first offending line is the error.
+  Result<void> load_yaml(const std::filesystem::path& file);
+
+  /// Current values as YAML, in the order of description, a comment on each line.
+  std::string to_yaml() const;
+
+  const std::vector<Option>& options() const { return options_; }
+
+ private:
+  Option& append(std::string_view key, std::string_view sentence);
+  std::string prefix_;
+  std::vector<Option> options_;
+};
+
+/// The value of an option as it is written in YAML.
+std::string format_value(const Option& option);
+
+}  // namespace ydd

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "ydd/base/id.h"
+
+namespace ydd {
+
+/// A store of values named by ids, with cheap immutable snapshots (copy on write).
+///
+/// Values live in chunks behind shared pointers. `snapshot()` copies the list of chunks and starts
+/// a new epoch; from then on an edit first clones what older snapshots still see: the chunk (64
+/// pointers) and the value. Epochs decide what is shared, never `use_count()`, which would race
+/// with a reader that lets go.
+///
+/// Thread: one owner calls everything that is not const; a `Table` obtained from `snapshot()` is
+/// meant to be used as const and may be read from any thread.
+/// Lifetime: a pointer from `find` is valid until the next non-const call on this table (for a
+/// snapshot: as long as the snapshot lives). Do not keep it beyond the function.
+template <class T, class Tag>
+class Table {
+ public:
+  using IdType = Id<Tag>;
+
+  Table() = default;
+  Table(Table&&) noexcept = default;
+  Table& operator=(Table&&) noexcept = default;
+  Table(const Table&) = delete;
+  Table& operator=(const Table&) = delete;
+
+  /// Stores `value` and gives its id. Slots are reused, last freed first: deterministic.
+  IdType insert(T value) {
+    std::uint32_t slot = 0;
+    if (free_.empty()) {
+      slot = slots_++;
+      if (slot / kChunk == chunks_.size()) chunks_.push_back(std::make_shared<Chunk>(epoch_));
+    } else {
+      slot = free_.back();
+      free_.pop_back();
+    }
+    Slot& s = writable_chunk(slot).slots[slot % kChunk];
+    s.generation += 1;
+    s.epoch = epoch_;
+    s.value = std::make_shared<T>(std::move(value));
+    ++size_;
+    return {slot, s.generation};
+  }
+
+  /// The value, or null when the id is stale, foreign or empty.
+  const T* find(IdType id) const {
+    const Slot* s = slot_of(id);
+    return s ? s->value.get() : nullptr;
+  }
+
+  bool contains(IdType id) const { return find(id) != nullptr; }
+
+  /// The value. @throws std::logic_error on a stale id.
+  const T& at(IdType id) const {
+    const T* value = find(id);
+    if (!value) throw std::logic_error("Table: stale or empty id");
+    return *value;
+  }
+
+  /// The value, writable, cloned first if a snapshot shares it. @throws std::logic_error on a
+  /// stale id.
+  T& edit(IdType id) {
+    if (!slot_of(id)) throw std::logic_error("Table: edit of a stale or empty id");
+    Slot& s = writable_chunk(id.slot).slots[id.slot % kChunk];
+    if (s.epoch != epoch_) {
+      s.value = std::make_shared<T>(*s.value);
+      s.epoch = epoch_;
+    }
+    return *s.value;
+  }
+
+  /// Removes the value. @throws std::logic_error on a stale id.
+  void erase(IdType id) {
+    if (!slot_of(id)) throw std::logic_error("Table: erase of a stale or empty id");
+    writable_chunk(id.slot).slots[id.slot % kChunk].value.reset();
+    free_.push_back(id.slot);
+    --size_;
+  }
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  /// One more than the largest slot ever used: the length for arrays indexed by slot.
+  std::uint32_t slots() const { return slots_; }
+
+  /// Calls `visit(id, value)` for every value in slot order.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    for (std::uint32_t slot = 0; slot < slots_; ++slot) {
+      const Slot& s = chunks_[slot / kChunk]->slots[slot % kChunk];
+      if (s.value) visit(IdType{slot, s.generation}, static_cast<const T&>(*s.value));
+    }
+  }
+
+  /// All ids in slot order.
+  std::vector<IdType> ids() const {
+    std::vector<IdType> out;
+    out.reserve(size_);
+    for_each([&](IdType id, const T&) { out.push_back(id); });
+    return out;
+  }
+
+  /// An immutable copy that later edits of this table do not touch. O(slots / 64).
+  Table snapshot() {
+    Table copy;
+    copy.chunks_ = chunks_;
+    copy.free_ = free_;
+    copy.slots_ = slots_;
+    copy.size_ = size_;
+    copy.epoch_ = ++epoch_;  // values written before are now shared with the copy
+    ++epoch_;                // and the copy, should it ever be edited, owns nothing of ours
+    return copy;
+  }
+
+ private:
+  static constexpr std::uint32_t kChunk = 64;
+  struct Slot {
+    std::shared_ptr<T> value;
+    std::uint32_t generation = 0;
+    std::uint64_t epoch = 0;
+  };
+  struct Chunk {
+    explicit Chunk(std::uint64_t e) : epoch(e) {}
+    std::array<Slot, kChunk> slots;
+    std::uint64_t epoch;
+  };
+
+  const Slot* slot_of(IdType id) const {
+    if (!id.valid() || id.slot >= slots_) return nullptr;
+    const Slot& s = chunks_[id.slot / kChunk]->slots[id.slot % kChunk];
+    return s.generation == id.generation && s.value ? &s : nullptr;
+  }
+
+  Chunk& writable_chunk(std::uint32_t slot) {
+    std::shared_ptr<Chunk>& chunk = chunks_[slot / kChunk];
+    if (chunk->epoch != epoch_) {
+      chunk = std::make_shared<Chunk>(*chunk);
+      chunk->epoch = epoch_;
+    }
+    return *chunk;
+  }
+
+  std::vector<std::shared_ptr<Chunk>> chunks_;
+  std::vector<std::uint32_t> free_;
+  std::uint32_t slots_ = 0;
+  std::size_t size_ = 0;
+  std::uint64_t epoch_ = 1;
+};
+
+}  // namespace ydd

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace ydd {
+
+/// Nanoseconds since the epoch of the recording, exact: 1305031102.175304 s keeps its digits.
+struct Timestamp {
+  std::int64_t ns = 0;
+
+  double seconds() const { return static_cast<double>(ns) * 1e-9; }
+  friend auto operator<=>(const Timestamp&, const Timestamp&) = default;
+};
+
+/// `b - a` in seconds.
+inline double seconds_between(Timestamp a, Timestamp b) {
+  return static_cast<double>(b.ns - a.ns) * 1e-9;
+}
+
+/// Parses decimal seconds ("1305031102.175304", also "12" or "1.3e9"). Digits beyond nanoseconds
+/// are cut off. Nothing when `text` is not one number.
+std::optional<Timestamp> parse_timestamp(std::string_view text);
+
+/// Decimal seconds with nine decimals.
+std::string format_timestamp(Timestamp stamp);
+
+}  // namespace ydd

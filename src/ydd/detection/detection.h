@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace ydd {
+
+/// An axis-parallel box in image pixels, [x0, x1) x [y0, y1).
+struct Box {
+  float x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+
+  float width() const { return std::max(0.0F, x1 - x0); }
+  float height() const { return std::max(0.0F, y1 - y0); }
+  float area() const { return width() * height(); }
+  bool contains(float x, float y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
+  friend bool operator==(const Box&, const Box&) = default;
+};
+
+inline Box intersection(const Box& a, const Box& b) {
+  return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
+inline Box grown(const Box& b, float margin_px) {
+  return {b.x0 - margin_px, b.y0 - margin_px, b.x1 + margin_px, b.y1 + margin_px};
+}
+
+/// One object that a detector saw.
+struct Detection {
+  std::string class_name;  ///< as in the object catalogue: "person", "head", "chair"
+  float score = 1.0F;      ///< confidence in [0, 1]
+  Box box;                 ///< inside the image
+};
+
+using Detections = std::vector<Detection>;
+
+}  // namespace ydd

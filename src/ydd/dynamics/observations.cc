@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/dynamics/observations.h"
+
+namespace ydd {
+
+std::string_view to_string(Rule rule) {
+  static constexpr std::array<std::string_view, kRuleCount> kNames = {
+      "kept",        "box",         "body_depth",        "automatic_depth",
+      "moved_by_hand", "moved_near_body", "edge",        "around_hand",
+      "full_depth_failed", "full_small_box", "full_entangled", "geometry"};
+  return kNames[static_cast<std::size_t>(rule)];
+}
+
+std::array<int, kRuleCount> count_rules(const Observations& observations) {
+  std::array<int, kRuleCount> counts{};
+  counts[0] = static_cast<int>(observations.features.size());
+  for (const RejectedPoint& point : observations.rejected) {
+    ++counts[static_cast<std::size_t>(point.rule)];
+  }
+  return counts;
+}
+
+}  // namespace ydd

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace ydd {
+
+/// An immutable picture: a value whose copies share pixels that nobody can write any more.
+/// Rows are contiguous. (A const cv::Mat is not immutable: its copies share writable pixels.)
+template <class T>
+class Image {
+ public:
+  Image() = default;
+  /// Takes `pixels`, row by row. @throws std::logic_error unless there are width * height of them.
+  Image(int width_px, int height_px, std::vector<T> pixels)
+      : width_(width_px),
+        height_(height_px),
+        pixels_(std::make_shared<const std::vector<T>>(std::move(pixels))) {
+    if (width_ < 0 || height_ < 0 || pixels_->size() != std::size_t(width_) * height_) {
+      throw std::logic_error("Image: pixel count does not match its size");
+    }
+  }
+
+  bool empty() const { return width_ == 0 || height_ == 0; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
+
+  const T* data() const { return pixels_ ? pixels_->data() : nullptr; }
+  const T* row(int y) const { return data() + static_cast<std::size_t>(y) * width_; }
+  /// Unchecked.
+  const T& operator()(int x, int y) const { return row(y)[x]; }
+
+ private:
+  int width_ = 0;
+  int height_ = 0;
+  std::shared_ptr<const std::vector<T>> pixels_;
+};
+
+using Bgr = std::array<std::uint8_t, 3>;
+using GreyImage = Image<std::uint8_t>;
+using ColourImage = Image<Bgr>;
+/// Depth along the optical axis in metres; 0 is *no reading*.
+using DepthImage = Image<float>;
+
+}  // namespace ydd

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <stop_token>
+#include <vector>
+
+#include "ydd/base/options.h"
+#include "ydd/geometry/camera.h"
+#include "ydd/geometry/se3.h"
+
+namespace ydd {
+
+/// Poses and points that see each other. Knows no map: the mapper gathers it and applies the result.
+struct BundleProblem {
+  struct Pose {
+    SE3 T_camera_world;
+    bool fixed = false;
+  };
+  struct Observation {
+    int pose = 0;                  ///< index into poses
+    int point = 0;                 ///< index into points
+    Eigen::Vector3d uvr_px;        ///< as PoseObservation::uvr_px
+    double inv_sigma2 = 1.0;       ///< 1/px^2
+  };
+  std::vector<Pose> poses;
+  std::vector<Eigen::Vector3d> points;  ///< world, metres
+  std::vector<Observation> observations;
+};
+
+struct BundleOptions {
+  int robust_iterations = 5;   ///< with the Huber kernel, before outliers are set aside
+  int final_iterations = 10;   ///< without them
+  double chi2_mono = 5.991;
+  double chi2_stereo = 7.815;
+  void describe(OptionTable& table);
+};
+
+struct BundleResult {
+  std::vector<SE3> T_camera_world;      ///< one per pose
+  std::vector<Eigen::Vector3d> points;  ///< one per point
+  std::vector<std::uint8_t> inlier;     ///< one per observation
+  double initial_cost = 0.0;            ///< 0.5 * sum of robustified squared residuals
+  double final_cost = 0.0;              ///< the same over all observations at the solution
+  int iterations = 0;
+  bool interrupted = false;             ///< `stop` was requested; the best state so far is given
+};
+
+/// Minimises reprojection error over free poses and all points. Points without any free or fixed
+/// pose stay. Deterministic: one thread, fixed order.
+BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
+                          const BundleOptions& options, std::stop_token stop = {});
+
+}  // namespace ydd
