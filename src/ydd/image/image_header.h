@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+#include "ydd/base/result.h"
+
+namespace ydd {
+
+/// What an image file says about itself before any pixel is decoded.
+struct ImageHeader {
+  enum class Format { png, jpeg };
+  Format format = Format::png;
+  int width_px = 0;
+  int height_px = 0;
+  int bits_per_channel = 0;
+  int channels = 0;  ///< as stored: 1 grey, 3 colour (also palettes), 2 and 4 with alpha
+};
+
+/// Reads the header of a PNG or JPEG file held in `bytes` and checks that the file goes on to its
+/// end marker. Failure: the reason only ("is truncated ..."); the caller names the file.
+Result<ImageHeader> read_image_header(std::string_view bytes);
+
+}  // namespace ydd
