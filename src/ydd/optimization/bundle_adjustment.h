@@ -11,17 +11,18 @@
 
 namespace ydd {
 
-/// Poses and points that see each other. Knows no map: the mapper gathers it and applies the result.
+/// Poses and points that see each other. Knows no map: the mapper gathers it and applies the
+/// result.
 struct BundleProblem {
   struct Pose {
     SE3 T_camera_world;
     bool fixed = false;
   };
   struct Observation {
-    int pose = 0;                  ///< index into poses
-    int point = 0;                 ///< index into points
-    Eigen::Vector3d uvr_px;        ///< as PoseObservation::uvr_px
-    double inv_sigma2 = 1.0;       ///< 1/px^2
+    int pose = 0;             ///< index into poses
+    int point = 0;            ///< index into points
+    Eigen::Vector3d uvr_px;   ///< as PoseObservation::uvr_px
+    double inv_sigma2 = 1.0;  ///< 1/px^2
   };
   std::vector<Pose> poses;
   std::vector<Eigen::Vector3d> points;  ///< world, metres
@@ -29,8 +30,8 @@ struct BundleProblem {
 };
 
 struct BundleOptions {
-  int robust_iterations = 5;   ///< with the Huber kernel, before outliers are set aside
-  int final_iterations = 10;   ///< without them
+  int robust_iterations = 5;  ///< with the Huber kernel, before outliers are set aside
+  int final_iterations = 10;  ///< without them
   double chi2_mono = 5.991;
   double chi2_stereo = 7.815;
   void describe(OptionTable& table);
@@ -43,7 +44,7 @@ struct BundleResult {
   double initial_cost = 0.0;            ///< 0.5 * sum of robustified squared residuals
   double final_cost = 0.0;              ///< the same over all observations at the solution
   int iterations = 0;
-  bool interrupted = false;             ///< `stop` was requested; the best state so far is given
+  bool interrupted = false;  ///< `stop` was requested; the best state so far is given
 };
 
 /// Minimises reprojection error over free poses and all points. Points without any free or fixed
