@@ -17,7 +17,7 @@ namespace ydd {
 
 struct SequenceOptions {
   double max_difference_s = 0.02;
-  std::string associations;  ///< file of "stamp colour stamp depth" lines; empty: pair by time
+  std::string associations = {};  ///< file of "stamp colour stamp depth" lines; empty: pair by time
 
   void describe(OptionTable& table);
 };

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/dataset/tum_sequence.h"
+
+#include <fstream>
+#include <iterator>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ydd/image/decode.h"
+
+namespace ydd {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr int kWidth = 32;
+constexpr int kHeight = 24;
+
+Camera small_camera() {
+  Camera camera;
+  camera.name = "small";
+  camera.width_px = kWidth;
+  camera.height_px = kHeight;
+  return camera;
+}
+
+/// A folder with three good frames at 1.0, 1.1 and 1.2 s that each test spoils in its own way.
+class TumSequenceTest : public testing::Test {
+ protected:
+  TumSequenceTest()
+      : folder_(fs::path(testing::TempDir()) /
+                (std::string("sequence_") +
+                 testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_ / "rgb");
+    fs::create_directories(folder_ / "depth");
+    write("rgb.txt", "# time file\n1.0 rgb/0.png\n1.1 rgb/1.png\n1.2 rgb/2.png\n");
+    write("depth.txt", "# time file\n1.01 depth/0.png\n1.11 depth/1.png\n1.19 depth/2.png\n");
+    for (int i = 0; i < 3; ++i) {
+      const std::string name = std::to_string(i) + ".png";
+      put_colour("rgb/" + name, kWidth, kHeight);
+      put_depth("depth/" + name, kWidth, kHeight);
+    }
+  }
+  ~TumSequenceTest() override { fs::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+  void put_colour(const std::string& name, int width, int height) const {
+    std::vector<Bgr> pixels(std::size_t(width) * height, Bgr{10, 20, 30});
+    ASSERT_TRUE(write_png(folder_ / name, ColourImage(width, height, std::move(pixels))));
+  }
+  void put_depth(const std::string& name, int width, int height) const {
+    std::vector<std::uint16_t> counts(std::size_t(width) * height, 7500);
+    ASSERT_TRUE(write_png(folder_ / name, RawDepthImage(width, height, std::move(counts))));
+  }
+  void truncate(const std::string& name, std::uintmax_t removed) const {
+    fs::resize_file(folder_ / name, fs::file_size(folder_ / name) - removed);
+  }
+
+  std::string open_error(const SequenceOptions& options = {}) const {
+    const auto sequence = Sequence::open(folder_, options);
+    return sequence ? "no error" : sequence.error().message;
+  }
+  std::string read_error(std::size_t i) const {
+    const auto sequence = Sequence::open(folder_);
+    if (!sequence) return "cannot open: " + sequence.error().message;
+    const auto frame = sequence->read(i, small_camera());
+    return frame ? "no error" : frame.error().message;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(TumSequenceTest, ReadsFrames) {
+  const auto sequence = Sequence::open(folder_);
+  ASSERT_TRUE(sequence) << sequence.error().message;
+  ASSERT_EQ(sequence->size(), 3U);
+  EXPECT_EQ(sequence->name(), folder_.filename().string());
+  EXPECT_FALSE(sequence->groundtruth_file());
+  EXPECT_EQ(sequence->entry(1).stamp.ns, 1'100'000'000);
+  EXPECT_EQ(sequence->entry(1).depth_stamp.ns, 1'110'000'000);
+  const auto frame = sequence->read(1, small_camera());
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->index, 1);
+  EXPECT_EQ(frame->stamp.ns, 1'100'000'000);
+  EXPECT_EQ(frame->colour(5, 6), (Bgr{10, 20, 30}));
+  EXPECT_EQ(frame->grey(5, 6), 22);  // 0.114 * 10 + 0.587 * 20 + 0.299 * 30 = 21.85
+  EXPECT_FLOAT_EQ(frame->depth_m(5, 6), 1.5F);
+}
+
+TEST_F(TumSequenceTest, FindsGroundTruth) {
+  write("groundtruth.txt", "1.0 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(Sequence::open(folder_)->groundtruth_file(), folder_ / "groundtruth.txt");
+}
+
+TEST_F(TumSequenceTest, ColourWithoutDepthIsLeftOut) {
+  write("depth.txt", "1.01 depth/0.png\n1.19 depth/2.png\n");
+  const auto sequence = Sequence::open(folder_);
+  ASSERT_EQ(sequence->size(), 2U);
+  EXPECT_THAT(sequence->entry(1).colour_file.string(), EndsWith("rgb/2.png"));
+}
+
+TEST_F(TumSequenceTest, AssociationFileIsUsedOnlyWhenGiven) {
+  write("associations.txt", "1.0 rgb/0.png 1.19 depth/2.png\n1.1 rgb/1.png 1.19 depth/2.png\n");
+  EXPECT_EQ(Sequence::open(folder_)->size(), 3U);
+  const SequenceOptions options{.associations = (folder_ / "associations.txt").string()};
+  const auto sequence = Sequence::open(folder_, options);
+  ASSERT_TRUE(sequence) << sequence.error().message;
+  ASSERT_EQ(sequence->size(), 2U);
+  EXPECT_THAT(sequence->entry(0).depth_file.string(), EndsWith("depth/2.png"));
+}
+
+TEST_F(TumSequenceTest, BadAssociationFile) {
+  const SequenceOptions options{.associations = (folder_ / "a.txt").string()};
+  EXPECT_THAT(open_error(options), HasSubstr("a.txt: cannot be opened"));
+  write("a.txt", "1.0 rgb/0.png 1.0\n");
+  EXPECT_THAT(open_error(options), HasSubstr("a.txt:1: expected 'timestamp file timestamp file'"));
+  write("a.txt", "1.0 rgb/0.png x depth/0.png\n");
+  EXPECT_THAT(open_error(options), HasSubstr("a.txt:1: 'x' is not a time"));
+  write("a.txt", "1.0 r.png 1.0 d.png\n1.0 r.png 1.0 d.png\n");
+  EXPECT_THAT(open_error(options), HasSubstr("a.txt:2: duplicate stamp 1.0"));
+  write("a.txt", "# nothing\n");
+  EXPECT_THAT(open_error(options), HasSubstr("a.txt: lists no image"));
+}
+
+TEST_F(TumSequenceTest, MissingOrEmptyFolder) {
+  fs::remove_all(folder_);
+  EXPECT_THAT(open_error(), EndsWith(": no such folder"));
+  fs::create_directories(folder_);
+  EXPECT_THAT(open_error(), AllOf(HasSubstr(": has no rgb.txt; "), Not(HasSubstr("\n"))));
+  write("rgb.txt", "1.0 rgb/0.png\n");
+  EXPECT_THAT(open_error(), HasSubstr(": has no depth.txt; "));
+  write("depth.txt", "# only a comment\n\n");
+  EXPECT_THAT(open_error(), EndsWith("depth.txt: lists no image"));
+  EXPECT_THAT(Sequence::open(folder_ / "rgb.txt").error().message, HasSubstr("is not a folder"));
+}
+
+TEST_F(TumSequenceTest, BrokenListLines) {
+  write("rgb.txt", "# time file\n1.0 rgb/0.png\n1.1\n");
+  EXPECT_THAT(open_error(), EndsWith("rgb.txt:3: expected 'timestamp file', found '1.1'"));
+  write("rgb.txt", "1.0 rgb/0.png and more\n");
+  EXPECT_THAT(open_error(),
+              HasSubstr("rgb.txt:1: expected 'timestamp file', found '1.0 rgb/0.png"));
+  write("rgb.txt", "now rgb/0.png\n");
+  EXPECT_THAT(open_error(), EndsWith("rgb.txt:1: 'now' is not a time in seconds"));
+}
+
+TEST_F(TumSequenceTest, StampsMustIncrease) {
+  write("rgb.txt", "1.0 rgb/0.png\n1.2 rgb/1.png\n1.1 rgb/2.png\n");
+  EXPECT_THAT(open_error(),
+              HasSubstr("rgb.txt:3: stamp 1.1 is earlier than the one before (1.200000000)"));
+  write("rgb.txt", "1.0 rgb/0.png\n1.00 rgb/1.png\n");
+  EXPECT_THAT(open_error(), EndsWith("rgb.txt:2: duplicate stamp 1.00"));
+}
+
+TEST_F(TumSequenceTest, NoPairWithinTolerance) {
+  write("depth.txt", "1.05 depth/0.png\n2.0 depth/1.png\n");
+  EXPECT_THAT(open_error(),
+              HasSubstr("no colour image within 0.02 s of a depth image (the closest two are "
+                        "0.050000 s apart)"));
+  EXPECT_EQ(Sequence::open(folder_, {.max_difference_s = 0.06})->size(), 1U);
+}
+
+TEST_F(TumSequenceTest, TruncatedImage) {
+  truncate("rgb/1.png", 3);
+  EXPECT_EQ(read_error(0), "no error");
+  EXPECT_THAT(read_error(1), HasSubstr("rgb/1.png: is truncated"));
+  truncate("depth/2.png", 40);
+  EXPECT_THAT(read_error(2), HasSubstr("depth/2.png: is truncated"));
+  write("depth/0.png", "");
+  EXPECT_THAT(read_error(0), EndsWith("depth/0.png: is an empty file"));
+}
+
+TEST_F(TumSequenceTest, MissingImage) {
+  fs::remove(folder_ / "rgb/1.png");
+  EXPECT_THAT(read_error(1), EndsWith("rgb/1.png: cannot be opened for reading"));
+  fs::remove(folder_ / "depth/2.png");
+  EXPECT_THAT(read_error(2), EndsWith("depth/2.png: cannot be opened for reading"));
+}
+
+TEST_F(TumSequenceTest, WrongSize) {
+  put_depth("depth/0.png", 16, 24);
+  EXPECT_THAT(read_error(0),
+              HasSubstr("depth/0.png: frame 0 is 16x24 but its colour image is 32x24"));
+  put_colour("rgb/1.png", 16, 16);
+  put_depth("depth/1.png", 16, 16);
+  EXPECT_THAT(read_error(1), HasSubstr("rgb/1.png: frame 1 is 16x16 but camera 'small' is 32x24"));
+}
+
+TEST_F(TumSequenceTest, WrongType) {
+  fs::copy_file(folder_ / "rgb/0.png", folder_ / "depth/0.png",
+                fs::copy_options::overwrite_existing);
+  EXPECT_THAT(read_error(0),
+              HasSubstr("depth/0.png: has 3 channels of 8 bits where a depth image"));
+  fs::copy_file(folder_ / "depth/1.png", folder_ / "rgb/1.png",
+                fs::copy_options::overwrite_existing);
+  EXPECT_THAT(read_error(1), HasSubstr("rgb/1.png: has 16 bits a channel where a colour image"));
+  write("rgb/2.png", "<html>404</html>");
+  EXPECT_THAT(read_error(2), EndsWith("rgb/2.png: is neither PNG nor JPEG"));
+}
+
+}  // namespace
+}  // namespace ydd
