@@ -4,10 +4,18 @@
 namespace ydd {
 
 std::string_view to_string(Rule rule) {
-  static constexpr std::array<std::string_view, kRuleCount> kNames = {
-      "kept",        "box",         "body_depth",        "automatic_depth",
-      "moved_by_hand", "moved_near_body", "edge",        "around_hand",
-      "full_depth_failed", "full_small_box", "full_entangled", "geometry"};
+  static constexpr std::array<std::string_view, kRuleCount> kNames = {"kept",
+                                                                      "box",
+                                                                      "body_depth",
+                                                                      "automatic_depth",
+                                                                      "moved_by_hand",
+                                                                      "moved_near_body",
+                                                                      "edge",
+                                                                      "around_hand",
+                                                                      "full_depth_failed",
+                                                                      "full_small_box",
+                                                                      "full_entangled",
+                                                                      "geometry"};
   return kNames[static_cast<std::size_t>(rule)];
 }
 

@@ -12,18 +12,18 @@ namespace ydd {
 
 /// Which rule decided about a feature point (section numbers of docs/method.md).
 enum class Rule : std::uint8_t {
-  kept,                ///< static: no rule rejected it
-  box,                 ///< variant `box`: inside a person box
-  body_depth,          ///< 5: inside a person box and its depth range
-  automatic_depth,     ///< 5: inside an automatic object and its depth range
-  moved_by_hand,       ///< 6: on an object that a hand moves
-  moved_near_body,     ///< 6: on an object within the body's depth range, hands hidden
-  edge,                ///< 7: within 3 px of a moving silhouette
-  around_hand,         ///< 7: near a hand and at its depth
-  full_depth_failed,   ///< 8.1: the object's depth failed
-  full_small_box,      ///< 8.2: the box is too small
-  full_entangled,      ///< 8.3: overlaps another person by more than half
-  geometry,            ///< beyond the article: reprojection disagrees inside a dynamic box
+  kept,               ///< static: no rule rejected it
+  box,                ///< variant `box`: inside a person box
+  body_depth,         ///< 5: inside a person box and its depth range
+  automatic_depth,    ///< 5: inside an automatic object and its depth range
+  moved_by_hand,      ///< 6: on an object that a hand moves
+  moved_near_body,    ///< 6: on an object within the body's depth range, hands hidden
+  edge,               ///< 7: within 3 px of a moving silhouette
+  around_hand,        ///< 7: near a hand and at its depth
+  full_depth_failed,  ///< 8.1: the object's depth failed
+  full_small_box,     ///< 8.2: the box is too small
+  full_entangled,     ///< 8.3: overlaps another person by more than half
+  geometry,           ///< beyond the article: reprojection disagrees inside a dynamic box
 };
 inline constexpr int kRuleCount = 12;
 std::string_view to_string(Rule rule);

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/detection/object_catalogue.h"
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
+
+#include "ydd/base/files.h"
+
+namespace ydd {
+namespace {
+
+constexpr std::array<std::string_view, kSubcategoryCount> kNames = {
+    "person", "head", "hand", "automatic", "small", "medium", "large", "static"};
+
+constexpr double kLargestExtent_m = 10.0;
+
+struct NamedExtent {
+  std::string_view name;
+  double DepthExtents::*member;
+};
+constexpr std::array<NamedExtent, 7> kExtents = {{{"head", &DepthExtents::head_m},
+                                                  {"hand", &DepthExtents::hand_m},
+                                                  {"half_hand", &DepthExtents::half_hand_m},
+                                                  {"automatic", &DepthExtents::automatic_m},
+                                                  {"small", &DepthExtents::small_m},
+                                                  {"medium", &DepthExtents::medium_m},
+                                                  {"large", &DepthExtents::large_m}}};
+
+/// The built-in table, in the order of the subcategories; configs/objects.yaml says the same.
+using ClassNames = std::vector<std::string_view>;
+std::array<ClassNames, kSubcategoryCount> default_names() {
+  return {{
+      {"person", "body"},
+      {"head", "face"},
+      {"hand"},
+      {"fan", "robot", "cat", "dog", "bird", "horse", "sheep", "cow", "elephant", "bear", "zebra",
+       "giraffe"},
+      {"cup",     "mug",         "bottle",         "wine glass", "bowl",    "fork",
+       "knife",   "spoon",       "book",           "mouse",      "remote",  "cell phone",
+       "phone",   "scissors",    "hair drier",     "toothbrush", "tie",     "banana",
+       "apple",   "orange",      "sandwich",       "carrot",     "hot dog", "donut",
+       "frisbee", "sports ball", "baseball glove", "glasses",    "pen"},
+      {"keyboard", "laptop", "backpack", "handbag", "umbrella", "teddy bear", "vase", "toaster",
+       "cake", "pizza", "broccoli", "skateboard", "tennis racket", "baseball bat", "kite", "bag",
+       "box"},
+      {"chair", "tv", "monitor", "suitcase", "microwave", "snowboard", "skis", "surfboard",
+       "bicycle", "potted plant", "stool", "trolley"},
+      {"desk", "dining table", "table", "couch", "bed", "toilet", "oven", "sink", "refrigerator",
+       "bench", "clock", "lamp", "shelf", "plant", "poster", "door", "window", "wall", "floor"},
+  }};
+}
+
+std::string at_line(const std::string& source, const YAML::Node& node) {
+  return fmt::format("{}:{}", source, node.Mark().line + 1);
+}
+
+Result<double> parse_extent(const YAML::Node& node, const std::string& source) {
+  double value = 0;
+  if (!node.IsScalar() || !YAML::convert<double>::decode(node, value) || !(value > 0) ||
+      !(value <= kLargestExtent_m)) {
+    return Error{fmt::format("{}: an extent must be a number above 0 and at most {} m",
+                             at_line(source, node), kLargestExtent_m)};
+  }
+  return value;
+}
+
+Result<DepthExtents> parse_extents(const YAML::Node& node, const std::string& source) {
+  DepthExtents extents;
+  if (!node) return extents;
+  if (!node.IsMap()) {
+    return Error{at_line(source, node) + ": 'extents_m' must hold 'name: metres' pairs"};
+  }
+  for (const auto& entry : node) {
+    const std::string name = entry.first.Scalar();
+    double DepthExtents::*member = nullptr;
+    std::vector<std::string_view> known;
+    for (const NamedExtent& extent : kExtents) {
+      known.push_back(extent.name);
+      if (extent.name == name) member = extent.member;
+    }
+    if (member == nullptr) {
+      return Error{fmt::format("{}: unknown extent '{}'; known are {}",
+                               at_line(source, entry.first), name, fmt::join(known, ", "))};
+    }
+    Result<double> value = parse_extent(entry.second, source);
+    if (!value) return value.error();
+    extents.*member = *value;
+  }
+  return extents;
+}
+
+/// One entry of a list of classes: a name, or {name: ..., extent_m: ...}.
+Result<std::pair<std::string, std::optional<double>>> parse_class(const YAML::Node& node,
+                                                                  const std::string& source) {
+  std::pair<std::string, std::optional<double>> out;
+  if (node.IsScalar()) {
+    out.first = node.Scalar();
+    return out;
+  }
+  const Error wrong{at_line(source, node) +
+                    ": a class must be a name or {name: NAME, extent_m: METRES}"};
+  if (!node.IsMap()) return wrong;
+  for (const auto& entry : node) {
+    const std::string key = entry.first.Scalar();
+    if (key == "name" && entry.second.IsScalar()) {
+      out.first = entry.second.Scalar();
+    } else if (key == "extent_m") {
+      Result<double> value = parse_extent(entry.second, source);
+      if (!value) return value.error();
+      out.second = *value;
+    } else {
+      return wrong;
+    }
+  }
+  if (out.first.empty()) return wrong;
+  return out;
+}
+
+using Classes = std::map<std::string, ObjectClass, std::less<>>;
+
+Result<void> add_classes(const YAML::Node& list, Subcategory subcategory, const std::string& source,
+                         Classes& classes) {
+  if (list.IsNull()) return {};
+  if (!list.IsSequence()) {
+    return Error{fmt::format("{}: '{}' must hold a list of class names", at_line(source, list),
+                             to_string(subcategory))};
+  }
+  for (const YAML::Node& node : list) {
+    auto entry = parse_class(node, source);
+    if (!entry) return entry.error();
+    const auto& [name, extent_m] = *entry;
+    if (!classes.emplace(name, ObjectClass{subcategory, extent_m}).second) {
+      return Error{fmt::format("{}: class '{}' is named twice, first as '{}'; keep one",
+                               at_line(source, node), name,
+                               to_string(classes.at(name).subcategory))};
+    }
+  }
+  return {};
+}
+
+Result<Classes> parse_classes(const YAML::Node& node, const std::string& source) {
+  Classes classes;
+  for (const auto& entry : node) {
+    const auto subcategory = parse_subcategory(entry.first.Scalar());
+    if (!subcategory) {
+      return Error{fmt::format("{}: unknown subcategory '{}'; known are {}",
+                               at_line(source, entry.first), entry.first.Scalar(),
+                               fmt::join(kNames, ", "))};
+    }
+    if (auto added = add_classes(entry.second, *subcategory, source, classes); !added) {
+      return added.error();
+    }
+  }
+  for (const auto& [name, object_class] : classes) {
+    if (category_of(object_class.subcategory) == Category::dynamic) return classes;
+  }
+  return Error{source +
+               ": no class is dynamic (person, head, hand or automatic); name at least one"};
+}
+
+Result<void> check_top_keys(const YAML::Node& root, const std::string& source) {
+  if (!root.IsMap()) return Error{source + ": must hold 'classes:' and may hold 'extents_m:'"};
+  for (const auto& entry : root) {
+    const std::string key = entry.first.Scalar();
+    if (key != "extents_m" && key != "classes") {
+      return Error{fmt::format("{}: unknown key '{}'; known are extents_m, classes",
+                               at_line(source, entry.first), key)};
+    }
+  }
+  if (!root["classes"] || !root["classes"].IsMap()) {
+    return Error{source + ": 'classes' must hold 'subcategory: [class names]' lines"};
+  }
+  return {};
+}
+
+}  // namespace
+
+Category category_of(Subcategory subcategory) {
+  switch (subcategory) {
+    case Subcategory::person:
+    case Subcategory::head:
+    case Subcategory::hand:
+    case Subcategory::automatic:
+      return Category::dynamic;
+    case Subcategory::small:
+    case Subcategory::medium:
+    case Subcategory::large:
+      return Category::potentially_dynamic;
+    case Subcategory::stationary:
+      break;
+  }
+  return Category::stationary;
+}
+
+std::string_view to_string(Subcategory subcategory) {
+  return kNames[static_cast<std::size_t>(subcategory)];
+}
+
+std::string_view to_string(Category category) {
+  static constexpr std::array<std::string_view, 3> kCategoryNames = {
+      "dynamic", "potentially dynamic", "static"};
+  return kCategoryNames[static_cast<std::size_t>(category)];
+}
+
+std::optional<Subcategory> parse_subcategory(std::string_view text) {
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    if (kNames[i] == text) return static_cast<Subcategory>(i);
+  }
+  return std::nullopt;
+}
+
+ObjectCatalogue ObjectCatalogue::defaults() {
+  ObjectCatalogue catalogue;
+  const auto names = default_names();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    for (const std::string_view name : names[i]) {
+      catalogue.classes_.emplace(name, ObjectClass{static_cast<Subcategory>(i), std::nullopt});
+    }
+  }
+  return catalogue;
+}
+
+Result<ObjectCatalogue> ObjectCatalogue::load(const std::filesystem::path& file) {
+  Result<std::string> text = read_file(file);
+  if (!text) return text.error();
+  return parse(*text, file.string());
+}
+
+Result<ObjectCatalogue> ObjectCatalogue::parse(const std::string& text, const std::string& source) {
+  try {
+    const YAML::Node root = YAML::Load(text);
+    if (auto checked = check_top_keys(root, source); !checked) return checked.error();
+    Result<DepthExtents> extents = parse_extents(root["extents_m"], source);
+    if (!extents) return extents.error();
+    Result<Classes> classes = parse_classes(root["classes"], source);
+    if (!classes) return classes.error();
+    ObjectCatalogue catalogue;
+    catalogue.extents_ = *extents;
+    catalogue.classes_ = std::move(*classes);
+    return catalogue;
+  } catch (const YAML::Exception& e) {
+    return Error{fmt::format("{}:{}: not valid YAML: {}", source, e.mark.line + 1, e.msg)};
+  }
+}
+
+Subcategory ObjectCatalogue::subcategory_of(std::string_view class_name) const {
+  const auto found = classes_.find(class_name);
+  return found == classes_.end() ? Subcategory::stationary : found->second.subcategory;
+}
+
+double ObjectCatalogue::extent_m(std::string_view class_name) const {
+  const auto found = classes_.find(class_name);
+  if (found == classes_.end()) return 0;
+  if (found->second.extent_m) return *found->second.extent_m;
+  switch (found->second.subcategory) {
+    case Subcategory::person:
+      return 2 * extents_.half_hand_m;
+    case Subcategory::head:
+      return extents_.head_m;
+    case Subcategory::hand:
+      return extents_.hand_m;
+    case Subcategory::automatic:
+      return extents_.automatic_m;
+    case Subcategory::small:
+      return extents_.small_m;
+    case Subcategory::medium:
+      return extents_.medium_m;
+    case Subcategory::large:
+      return extents_.large_m;
+    case Subcategory::stationary:
+      break;
+  }
+  return 0;
+}
+
+}  // namespace ydd

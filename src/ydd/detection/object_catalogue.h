@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "ydd/base/result.h"
+
+namespace ydd {
+
+/// How a class moves, coarse.
+enum class Category { dynamic, potentially_dynamic, stationary };
+
+/// How a class moves and how deep it is: the eight kinds of the method (docs/method.md, section 2).
+enum class Subcategory { person, head, hand, automatic, small, medium, large, stationary };
+inline constexpr int kSubcategoryCount = 8;
+
+/// person, head, hand, automatic: dynamic; small, medium, large: potentially dynamic.
+Category category_of(Subcategory subcategory);
+/// As written in the table: "person", ..., "static".
+std::string_view to_string(Subcategory subcategory);
+/// "dynamic", "potentially dynamic", "static".
+std::string_view to_string(Category category);
+/// Inverse of to_string; nothing for any other text.
+std::optional<Subcategory> parse_subcategory(std::string_view text);
+
+/// Extents along the optical axis, metres.
+struct DepthExtents {
+  double head_m = 0.20;
+  double hand_m = 0.18;
+  double half_hand_m = 0.50;  ///< head centre to an outstretched elbow
+  double automatic_m = 0.70;
+  double small_m = 0.20;
+  double medium_m = 0.45;
+  double large_m = 0.70;
+  friend bool operator==(const DepthExtents&, const DepthExtents&) = default;
+};
+
+/// What the catalogue knows of one class.
+struct ObjectClass {
+  Subcategory subcategory = Subcategory::stationary;
+  std::optional<double> extent_m;  ///< of this class; none: that of its subcategory
+  friend bool operator==(const ObjectClass&, const ObjectClass&) = default;
+};
+
+/// The table from class names to the subcategories of the method. A value; a class that is not in
+/// it is static.
+///
+/// The file, here with one class that has an extent of its own:
+///
+///     extents_m: {head: 0.20, hand: 0.18, half_hand: 0.50, automatic: 0.70,
+///                 small: 0.20, medium: 0.45, large: 0.70}
+///     classes:
+///       person: [person, body]
+///       automatic: [fan, {name: cat, extent_m: 0.4}]
+///       small: [cup, bottle]
+class ObjectCatalogue {
+ public:
+  /// The built-in table: COCO names, head, hand, and a few more; the same as configs/objects.yaml.
+  static ObjectCatalogue defaults();
+
+  /// Reads a table; it replaces the built-in one as a whole, but extents it does not name keep
+  /// their defaults. Fails with one line "file:line: what to do" on unreadable YAML, an unknown key
+  /// or subcategory, a class named twice, an extent outside (0, 10] m, and when no class is
+  /// dynamic.
+  static Result<ObjectCatalogue> load(const std::filesystem::path& file);
+  /// The same from text; `source` starts the message of a failure.
+  static Result<ObjectCatalogue> parse(const std::string& text, const std::string& source);
+
+  bool knows(std::string_view class_name) const { return classes_.contains(class_name); }
+  Subcategory subcategory_of(std::string_view class_name) const;
+  /// Extent along the optical axis; of a person `2 * half_hand`, of a static class 0.
+  double extent_m(std::string_view class_name) const;
+  const DepthExtents& extents() const { return extents_; }
+  /// By class name.
+  const std::map<std::string, ObjectClass, std::less<>>& classes() const { return classes_; }
+
+  friend bool operator==(const ObjectCatalogue&, const ObjectCatalogue&) = default;
+
+ private:
+  DepthExtents extents_;
+  std::map<std::string, ObjectClass, std::less<>> classes_;
+};
+
+}  // namespace ydd

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/dynamics/body_matching.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ydd/dynamics/box_geometry.h"
+
+namespace ydd {
+namespace {
+
+std::vector<int> indices_of(std::span<const SceneObject> objects, Subcategory subcategory) {
+  std::vector<int> indices;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (objects[i].subcategory == subcategory) indices.push_back(static_cast<int>(i));
+  }
+  return indices;
+}
+
+/// Parts of that kind whose box meets the box of `person`.
+std::vector<int> meeting(std::span<const SceneObject> objects, Subcategory kind, int person) {
+  std::vector<int> indices = indices_of(objects, kind);
+  std::erase_if(indices, [&](int i) { return disjoint(objects[i].box, objects[person].box); });
+  return indices;
+}
+
+bool in_upper_part(const Box& head, const Box& person, double upper_share) {
+  if (person.width() >= person.height()) return true;  // lying or cut off: no upper part to ask for
+  return (head.y0 + head.y1) / 2 <= person.y0 + upper_share * person.height();
+}
+
+bool near_in_depth(std::optional<float> a, std::optional<float> b, double limit_m) {
+  return a && b && std::abs(*a - *b) < limit_m;
+}
+
+}  // namespace
+
+int match_head(std::span<const SceneObject> objects, int person,
+               const BodyMatchingOptions& options) {
+  std::vector<int> heads = meeting(objects, Subcategory::head, person);
+  if (heads.size() <= 1) return heads.empty() ? -1 : heads.front();
+  const SceneObject& whole = objects[person];
+  std::erase_if(heads, [&](int i) {
+    return !in_upper_part(objects[i].box, whole.box, options.head_upper_share) ||
+           !near_in_depth(objects[i].depth_m, whole.depth_m, options.head_depth_m);
+  });
+  const auto top_distance = [&](int i) { return std::abs(objects[i].box.y0 - whole.box.y0); };
+  const auto best = std::min_element(
+      heads.begin(), heads.end(), [&](int a, int b) { return top_distance(a) < top_distance(b); });
+  return best == heads.end() ? -1 : *best;
+}
+
+std::vector<int> match_hands(std::span<const SceneObject> objects, int person, int head,
+                             const BodyMatchingOptions& options) {
+  std::vector<int> hands = meeting(objects, Subcategory::hand, person);
+  const auto most = static_cast<std::size_t>(options.hands);
+  if (hands.size() <= most) return hands;
+  const bool head_depth = head >= 0 && objects[head].depth_m;
+  const std::optional<float> reference = objects[head_depth ? head : person].depth_m;
+  std::erase_if(hands, [&](int i) {
+    return !near_in_depth(objects[i].depth_m, reference, options.hand_depth_m);
+  });
+  std::stable_sort(hands.begin(), hands.end(), [&](int a, int b) {
+    return std::abs(*objects[a].depth_m - *reference) < std::abs(*objects[b].depth_m - *reference);
+  });
+  hands.resize(std::min(hands.size(), most));
+  return hands;
+}
+
+std::vector<Body> match_bodies(std::span<const SceneObject> objects,
+                               const BodyMatchingOptions& options) {
+  const std::vector<int> persons = indices_of(objects, Subcategory::person);
+  std::vector<Box> boxes;
+  boxes.reserve(persons.size());
+  for (const int i : persons) boxes.push_back(objects[i].box);
+  const std::vector<float> degrees = largest_coincidence(boxes);
+  std::vector<Body> bodies;
+  bodies.reserve(persons.size());
+  for (std::size_t k = 0; k < persons.size(); ++k) {
+    Body body;
+    body.person = persons[k];
+    body.coincidence = degrees[k];
+    body.entangled = degrees[k] > options.entangled_degree;
+    if (!body.entangled) body.head = match_head(objects, body.person, options);
+    if (degrees[k] == 0.0F) body.hands = match_hands(objects, body.person, body.head, options);
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+BodyDepths depths_of(const Body& body, std::span<const SceneObject> objects) {
+  BodyDepths depths;
+  depths.person_m = objects[body.person].depth_m;
+  if (body.head >= 0) depths.head_m = objects[body.head].depth_m;
+  for (const int i : body.hands) {
+    const std::optional<float> d = objects[i].depth_m;
+    if (!d) continue;
+    depths.nearest_hand_m = std::min(depths.nearest_hand_m.value_or(*d), *d);
+    depths.farthest_hand_m = std::max(depths.farthest_hand_m.value_or(*d), *d);
+  }
+  return depths;
+}
+
+}  // namespace ydd

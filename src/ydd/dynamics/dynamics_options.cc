@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/dynamics/dynamics_options.h"
+
+#include <stdexcept>
+
+namespace ydd {
+
+void ObjectDepthOptions::describe(OptionTable& table) {
+  table.add("arm_samples", arm_samples, {1, 100}, "", "depth samples on each arm of the cross");
+  table.add("arm_share", arm_share, {0.01, 0.5}, "",
+            "length of an arm of the cross as share of the box side along it");
+  table.add("nearest_samples", nearest_samples, {1, 100}, "",
+            "nearest readings of an arm that are averaged");
+  table.add("head_window_px", head_window_px, {0, 50}, "px",
+            "half side of the window searched for a reading round a head's centre");
+}
+
+void BodyMatchingOptions::describe(OptionTable& table) {
+  table.add("entangled_degree", entangled_degree, {0, 1}, "",
+            "share of a person box covered by another above which it is not matched");
+  table.add("head_upper_share", head_upper_share, {0, 1}, "",
+            "upper part of an upright person box in which its head must lie");
+  table.add("head_depth_m", head_depth_m, {0, 10}, "m",
+            "largest difference between the depths of a head and its person");
+  table.add("hand_depth_m", hand_depth_m, {0, 10}, "m",
+            "largest difference between the depths of a hand and its head or person");
+  table.add("hands", hands, {0, 10}, "", "hands of a person");
+}
+
+void MovedObjectOptions::describe(OptionTable& table) {
+  table.add("push_px", push_px, {1, 50}, "px",
+            "how far the sides of the contact of hand and object are pushed outward");
+  table.add("short_push_px", short_push_px, {1, 50}, "px",
+            "the same where less than push_px remain before the object's border");
+  table.add("contact_readings", contact_readings, {1, 1000}, "",
+            "readings at the hand's depth along the pushed sides that make a contact");
+}
+
+void CompensationOptions::describe(OptionTable& table) {
+  table.add("points", points, {50, 20000}, "", "points asked of a static frame");
+  table.add("boost", boost, {1, 10}, "", "factor when many points were rejected");
+  table.add("boost_above", boost_above, {0, 1}, "",
+            "share of rejected points above which the boost applies");
+  table.add("most_points", most_points, {50, 100000}, "", "points never exceeded by compensation");
+}
+
+void DynamicsOptions::describe(OptionTable& table) {
+  table.add("variant", variant, {"off", "box", "person", "full"},
+            "what is rejected: nothing, person boxes, persons by depth, the whole method");
+  table.add("static_after_frames", static_after_frames, {1, 1000}, "frames",
+            "frames without a dynamic object after which a frame is static");
+  table.add("front_allowance", front_allowance, {0, 1}, "",
+            "share of an object's extent allowed in front of its measured depth");
+  table.add("small_box_share", small_box_share, {0, 1}, "",
+            "share of the image below which a person or automatic object is rejected as a whole");
+  table.add("edge_radius_px", edge_radius_px, {0, 50}, "px",
+            "distance of the four readings that tell a point at a moving silhouette");
+  table.add("hand_scale", hand_scale, {1, 10}, "", "scale of a hand box for points around hands");
+  table.group("object_depth", object_depth);
+  table.group("matching", matching);
+  table.group("moved", moved);
+  table.group("compensation", compensation);
+}
+
+Variant DynamicsOptions::parsed_variant() const {
+  if (variant == "off") return Variant::off;
+  if (variant == "box") return Variant::box;
+  if (variant == "person") return Variant::person;
+  if (variant == "full") return Variant::full;
+  throw std::logic_error("DynamicsOptions: unknown variant '" + variant + "'");
+}
+
+}  // namespace ydd

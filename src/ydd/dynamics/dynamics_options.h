@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "ydd/base/options.h"
+
+namespace ydd {
+
+/// What is rejected (docs/method.md, section 9).
+enum class Variant { off, box, person, full };
+
+/// Section 3: where an object's depth is sampled.
+struct ObjectDepthOptions {
+  int arm_samples = 8;      ///< per arm of the cross
+  double arm_share = 0.4;   ///< length of an arm as share of the box side along it
+  int nearest_samples = 3;  ///< averaged, the nearest ones of the nearer arm
+  int head_window_px = 7;   ///< half side of the window searched round a head's centre
+  void describe(OptionTable& table);
+};
+
+/// Section 4: which head and hands belong to which person.
+struct BodyMatchingOptions {
+  double entangled_degree = 0.5;  ///< coincidence degree above which a person is not matched
+  double head_upper_share = 0.5;  ///< upper part of an upright person box that may hold the head
+  double head_depth_m = 0.5;      ///< largest difference between head and person depth
+  double hand_depth_m = 0.7;      ///< largest difference between hand and head (or person) depth
+  int hands = 2;                  ///< per person
+  void describe(OptionTable& table);
+};
+
+/// Section 6: is a potentially dynamic object being moved?
+struct MovedObjectOptions {
+  int push_px = 3;           ///< how far the sides of the contact box are pushed outward
+  int short_push_px = 1;     ///< the same where less than push_px remain
+  int contact_readings = 3;  ///< readings at the hand's depth that make a contact
+  void describe(OptionTable& table);
+};
+
+/// Section 7, compensation: how many points the next frame asks for.
+struct CompensationOptions {
+  int points = 1000;         ///< N, of a static frame
+  double boost = 1.2;        ///< alpha
+  double boost_above = 0.5;  ///< share of rejected points above which the boost applies
+  int most_points = 3500;    ///< epsilon
+  void describe(OptionTable& table);
+};
+
+/// All of the method's thresholds. Depth extents live in the object catalogue.
+struct DynamicsOptions {
+  std::string variant = "full";
+  int static_after_frames = 5;    ///< without a dynamic object: from then on a frame is static
+  double front_allowance = 0.2;   ///< share of the extent in front of the approximate minimum depth
+  double small_box_share = 0.01;  ///< of the image: below it every point of a box goes
+  double edge_radius_px = 3;      ///< of the circle that FAST looks at
+  double hand_scale = 2;          ///< of the hand box for points around hands
+  ObjectDepthOptions object_depth;
+  BodyMatchingOptions matching;
+  MovedObjectOptions moved;
+  CompensationOptions compensation;
+
+  void describe(OptionTable& table);
+  /// @throws std::logic_error when `variant` is none of the four (describe() lets no other in).
+  Variant parsed_variant() const;
+};
+
+}  // namespace ydd

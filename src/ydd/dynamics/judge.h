@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ydd/detection/detection.h"
+#include "ydd/detection/object_catalogue.h"
+#include "ydd/dynamics/depth_range.h"
+#include "ydd/dynamics/dynamics_options.h"
+#include "ydd/dynamics/observations.h"
+#include "ydd/dynamics/scene_switch.h"
+#include "ydd/features/features.h"
+#include "ydd/image/image.h"
+
+namespace ydd {
+
+/// What was found out about one detected object that is not static, for pictures and tests.
+struct ObjectJudgement {
+  int detection = -1;  ///< index into the detections
+  Subcategory subcategory = Subcategory::stationary;
+  Box box;
+  std::optional<float> depth_m;     ///< approximate minimum depth; none: failed
+  Rule rule = Rule::kept;           ///< for points on it; kept: it is static, or judged as a part
+  std::optional<DepthRange> range;  ///< of the points that go; none: all, or none when `kept`
+  float coincidence = 0;            ///< person: largest coincidence degree with another
+  int head = -1;                    ///< person: detection index of its head; -1: none matched
+  std::vector<int> hands;           ///< person: detection indices of its hands
+};
+
+/// A frame's points and objects, judged.
+struct Judgement {
+  bool dynamic_frame = false;
+  std::vector<Rule> rules;  ///< one for each keypoint
+  std::vector<ObjectJudgement> objects;
+
+  int rejected() const;
+};
+
+/// Judges one frame by itself, as a dynamic one: which points lie on something that moves. Boxes
+/// and keypoints are in pixels of the image as it was taken, `depth_m` is registered to it. Nothing
+/// but the detections and the depth is looked at.
+Judgement judge_frame(const DynamicsOptions& options, const ObjectCatalogue& catalogue,
+                      const Features& features, const Detections& detections,
+                      const DepthImage& depth_m);
+
+/// Splits the features: those whose rule is `kept`, and the rejected ones.
+/// @throws std::logic_error unless there is one rule for each feature.
+Observations observe(const Features& features, const Judgement& judgement);
+
+/// The YDD method over a sequence (docs/method.md): judge_frame plus what it keeps from frame to
+/// frame, the static/dynamic switch and the budget. Thread: one call at a time.
+class DynamicsJudge {
+ public:
+  DynamicsJudge(const DynamicsOptions& options, ObjectCatalogue catalogue);
+
+  /// Judges the next frame. In a static frame every point is kept.
+  Judgement judge(const Features& features, const Detections& detections,
+                  const DepthImage& depth_m);
+
+  /// How many points the next frame should ask the extractor for.
+  int budget() const { return budget_; }
+
+  const DynamicsOptions& options() const { return options_; }
+  const ObjectCatalogue& catalogue() const { return catalogue_; }
+
+ private:
+  DynamicsOptions options_;
+  ObjectCatalogue catalogue_;
+  SceneSwitch switch_;
+  int budget_;
+};
+
+}  // namespace ydd

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/dynamics/moving_regions.h"
+
+#include "ydd/dynamics/box_geometry.h"
+#include "ydd/dynamics/moved_objects.h"
+
+namespace ydd {
+namespace {
+
+bool is_small(const Scene& scene, const Box& box, const DynamicsOptions& options) {
+  const double image_area = static_cast<double>(scene.depth_m.width()) * scene.depth_m.height();
+  return box.area() < options.small_box_share * image_area;
+}
+
+MovingRegion region_of(const Scene& scene, int object, Rule rule,
+                       std::optional<DepthRange> range = std::nullopt) {
+  return {object, rule, scene.objects[object].box, range};
+}
+
+/// Calls `visit(index)` for all objects of that category or kind.
+template <class Which, class Visit>
+void for_objects(const Scene& scene, Which&& which, Visit&& visit) {
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    if (which(scene.objects[i].subcategory)) visit(static_cast<int>(i));
+  }
+}
+
+void append_persons(const Scene& scene, const DynamicsOptions& options, Variant variant,
+                    std::vector<MovingRegion>& regions) {
+  for (const Body& body : scene.bodies) {
+    if (variant == Variant::box) regions.push_back(region_of(scene, body.person, Rule::box));
+    if (variant == Variant::person) regions.push_back(person_region(scene, body, options));
+    if (variant == Variant::full) regions.push_back(body_region(scene, body, options));
+  }
+}
+
+}  // namespace
+
+Scene make_scene(const Detections& detections, const ObjectCatalogue& catalogue,
+                 const DepthImage& depth_m, const DynamicsOptions& options) {
+  Scene scene;
+  scene.objects = measure_objects(detections, catalogue, depth_m, options.object_depth);
+  scene.bodies = match_bodies(scene.objects, options.matching);
+  scene.extents = catalogue.extents();
+  scene.depth_m = depth_m;
+  return scene;
+}
+
+MovingRegion person_region(const Scene& scene, const Body& body, const DynamicsOptions& options) {
+  const auto range =
+      body_range(depths_of(body, scene.objects), scene.extents, options.front_allowance);
+  return region_of(scene, body.person, range ? Rule::body_depth : Rule::full_depth_failed, range);
+}
+
+MovingRegion body_region(const Scene& scene, const Body& body, const DynamicsOptions& options) {
+  if (is_small(scene, scene.objects[body.person].box, options)) {
+    return region_of(scene, body.person, Rule::full_small_box);
+  }
+  if (body.entangled) return region_of(scene, body.person, Rule::full_entangled);
+  return person_region(scene, body, options);
+}
+
+MovingRegion automatic_region(const Scene& scene, int object, const DynamicsOptions& options) {
+  const SceneObject& thing = scene.objects[object];
+  if (is_small(scene, thing.box, options)) return region_of(scene, object, Rule::full_small_box);
+  if (!thing.depth_m) return region_of(scene, object, Rule::full_depth_failed);
+  return region_of(scene, object, Rule::automatic_depth,
+                   object_range(*thing.depth_m, thing.extent_m, options.front_allowance));
+}
+
+std::optional<MovingRegion> moved_region(const Scene& scene, int object,
+                                         const DynamicsOptions& options) {
+  const SceneObject& thing = scene.objects[object];
+  const auto moved_by = [&](Rule rule) {
+    return region_of(scene, object, rule,
+                     object_range(*thing.depth_m, thing.extent_m, options.front_allowance));
+  };
+  for (const Body& body : scene.bodies) {
+    for (const int i : body.hands) {
+      const SceneObject& hand = scene.objects[i];
+      if (!thing.depth_m && intersect(hand.box, thing.box)) {
+        return region_of(scene, object, Rule::full_depth_failed);
+      }
+      if (moved_by_hand(scene.depth_m, hand, thing, options.front_allowance, options.moved)) {
+        return moved_by(Rule::moved_by_hand);
+      }
+    }
+  }
+  for (const Body& body : scene.bodies) {
+    const auto range =
+        body_range(depths_of(body, scene.objects), scene.extents, options.front_allowance);
+    if (range && moved_near_body(scene.objects, body, *range, thing, options.matching.hands)) {
+      return moved_by(Rule::moved_near_body);
+    }
+  }
+  return std::nullopt;
+}
+
+MovingRegion hand_region(const Scene& scene, int object, const DynamicsOptions& options) {
+  const SceneObject& hand = scene.objects[object];
+  if (!hand.depth_m) return region_of(scene, object, Rule::full_depth_failed);
+  const double centre_m = *hand.depth_m + hand.extent_m / 2;
+  MovingRegion region = region_of(scene, object, Rule::around_hand,
+                                  DepthRange{static_cast<float>(centre_m - scene.extents.small_m),
+                                             static_cast<float>(centre_m + scene.extents.small_m)});
+  region.box = scaled(region.box, static_cast<float>(options.hand_scale));
+  return region;
+}
+
+std::vector<MovingRegion> moving_regions(const Scene& scene, const DynamicsOptions& options) {
+  const Variant variant = options.parsed_variant();
+  std::vector<MovingRegion> regions;
+  append_persons(scene, options, variant, regions);
+  if (variant != Variant::full) return regions;
+  for_objects(
+      scene, [](Subcategory s) { return s == Subcategory::automatic; },
+      [&](int i) { regions.push_back(automatic_region(scene, i, options)); });
+  for_objects(
+      scene, [](Subcategory s) { return category_of(s) == Category::potentially_dynamic; },
+      [&](int i) {
+        if (auto region = moved_region(scene, i, options)) regions.push_back(*region);
+      });
+  for_objects(
+      scene, [](Subcategory s) { return s == Subcategory::hand; },
+      [&](int i) { regions.push_back(hand_region(scene, i, options)); });
+  return regions;
+}
+
+}  // namespace ydd

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "ydd/dynamics/body_matching.h"
+#include "ydd/dynamics/dynamics_options.h"
+#include "ydd/dynamics/point_rules.h"
+
+namespace ydd {
+
+/// What the rules look at: one frame's objects and what was measured of them.
+struct Scene {
+  std::vector<SceneObject> objects;
+  std::vector<Body> bodies;
+  DepthExtents extents;
+  DepthImage depth_m;
+};
+
+Scene make_scene(const Detections& detections, const ObjectCatalogue& catalogue,
+                 const DepthImage& depth_m, const DynamicsOptions& options);
+
+/// A person in variant `full`: rejected as a whole when its box is small or entangled or its depth
+/// has failed (section 8), else by the body's depth range (section 5).
+MovingRegion body_region(const Scene& scene, const Body& body, const DynamicsOptions& options);
+
+/// A person in variant `person`: by the body's depth range; as a whole when the depth has failed.
+MovingRegion person_region(const Scene& scene, const Body& body, const DynamicsOptions& options);
+
+/// An automatic object: as a whole when its box is small or its depth has failed, else by its
+/// range.
+MovingRegion automatic_region(const Scene& scene, int object, const DynamicsOptions& options);
+
+/// A potentially dynamic object: nothing while it is static; by its range when it is moved; as a
+/// whole when its depth has failed although a hand's box meets it.
+std::optional<MovingRegion> moved_region(const Scene& scene, int object,
+                                         const DynamicsOptions& options);
+
+/// The surroundings of a hand: the box scaled, at `[D + hand/2 - small, D + hand/2 + small]`
+/// (article, equation 12). A hand without depth: its own box as a whole.
+MovingRegion hand_region(const Scene& scene, int object, const DynamicsOptions& options);
+
+/// All regions of a frame in the order in which they decide: bodies, automatic objects, moved
+/// objects, hands.
+std::vector<MovingRegion> moving_regions(const Scene& scene, const DynamicsOptions& options);
+
+}  // namespace ydd

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "ydd/detection/detection.h"
+#include "ydd/dynamics/depth_range.h"
+#include "ydd/dynamics/observations.h"
+#include "ydd/image/image.h"
+
+namespace ydd {
+
+/// A box in which points at some depths are on something that moves.
+struct MovingRegion {
+  int object = -1;  ///< index into the scene objects
+  Rule rule = Rule::kept;
+  Box box;
+  std::optional<DepthRange> range;  ///< none: full rejection, every point in the box goes
+};
+
+/// An image position to be judged and its depth; 0: no reading.
+struct PointSample {
+  float x_px = 0;
+  float y_px = 0;
+  float depth_m = 0;
+};
+
+/// The point is in the box, and the region rejects all of it or the depth is in its range.
+bool in_region(const MovingRegion& region, const PointSample& point);
+
+/// The point lies in the box grown by `radius_px`, and one of the readings that far to its left,
+/// right, above and below lies in the region's range (article, section 3.5.1). Never for a full
+/// rejection, which has no range.
+bool at_edge(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
+             float radius_px);
+
+/// The rule that decides about a point: the first region that contains it, else an edge (not asked
+/// for a radius of 0), else kept.
+Rule rule_of(const PointSample& point, std::span<const MovingRegion> regions,
+             const DepthImage& depth_m, float edge_radius_px);
+
+}  // namespace ydd
