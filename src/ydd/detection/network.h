@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ydd/base/options.h"
+#include "ydd/base/result.h"
+
+namespace ydd {
+
+/// A view of a dense row-major array of floats; whoever made it owns the values.
+struct Tensor {
+  std::vector<int> shape;  ///< outermost first: {batch, channels, height, width}
+  std::span<const float> values;
+};
+
+/// "[1, 8, 60, 80]".
+std::string format_shape(const std::vector<int>& shape);
+
+/// A loaded network on some inference library. Thread: one call at a time, any thread.
+class InferenceSession {
+ public:
+  virtual ~InferenceSession() = default;
+  /// All outputs of the network for `input`. They belong to the session and stay valid until the
+  /// next call. Fails when the network cannot take an input of this shape.
+  virtual Result<std::vector<Tensor>> run(const Tensor& input) = 0;
+};
+
+struct InferenceOptions {
+  std::string backend = "cpu";
+  bool fp16 = false;
+  void describe(OptionTable& table);
+};
+
+/// Loads an ONNX file. The failure is one line that names the file: missing, not ONNX, truncated,
+/// operators that the library does not know, a backend that this machine does not have.
+Result<std::unique_ptr<InferenceSession>> load_network(const std::filesystem::path& onnx_file,
+                                                       const InferenceOptions& options);
+
+/// Whether `bytes` hold one complete ONNX model, as far as its outermost structure tells; the
+/// failure says what is wrong ("truncated: ..."), without naming a file.
+Result<void> check_onnx(std::string_view bytes);
+
+}  // namespace ydd
