@@ -76,6 +76,13 @@ std::string format_pose(const StampedPose& pose, TrajectoryFormat format) {
 
 }  // namespace
 
+std::vector<Timestamp> stamps_of(std::span<const StampedPose> poses) {
+  std::vector<Timestamp> stamps;
+  stamps.reserve(poses.size());
+  for (const StampedPose& pose : poses) stamps.push_back(pose.stamp);
+  return stamps;
+}
+
 std::optional<TrajectoryFormat> parse_trajectory_format(std::string_view name) {
   if (name == "tum") return TrajectoryFormat::tum;
   if (name == "kitti") return TrajectoryFormat::kitti;

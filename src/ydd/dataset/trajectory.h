@@ -23,6 +23,9 @@ struct StampedPose {
 /// Poses in the order of time, strictly increasing.
 using StampedPoses = std::vector<StampedPose>;
 
+/// Their stamps, in the same order.
+std::vector<Timestamp> stamps_of(std::span<const StampedPose> poses);
+
 enum class TrajectoryFormat {
   tum,    ///< "stamp tx ty tz qx qy qz qw", stamp in seconds
   kitti,  ///< first three rows of the 4x4 matrix, row by row; no stamp

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "ydd/dataset/trajectory.h"
+#include "ydd/evaluation/error_statistics.h"
+
+namespace ydd {
+
+enum class RpeUnit { seconds, frames };
+
+struct RpeOptions {
+  double delta = 1.0;  ///< in `unit`; a whole number of frames
+  RpeUnit unit = RpeUnit::seconds;
+  double scale = 1.0;  ///< applied to the estimated motion, for Sim(3) evaluations
+};
+
+/// Relative pose error: drift over a fixed interval, no alignment needed.
+struct RpeResult {
+  std::vector<double> translation_errors_m;  ///< one per pair of frames
+  std::vector<double> rotation_errors_deg;
+  ErrorStatistics translation_m;
+  ErrorStatistics rotation_deg;
+};
+
+/// Each estimated pose is paired with the one nearest to `delta` later (pairs that would end on the
+/// last pose are left out: past it there is nothing to be near to), and each of the two with the
+/// ground truth nearest in time, which must be no farther than twice the median spacing of ground
+/// truth. Empty result when no pair remains.
+///
+/// Source: J. Sturm et al., A benchmark for the evaluation of RGB-D SLAM systems, IROS 2012,
+/// eq. (2)-(4): same pairs, same figures as the benchmark's tool with fixed delta.
+RpeResult relative_pose_error(const StampedPoses& groundtruth, const StampedPoses& estimate,
+                              const RpeOptions& options = {});
+
+}  // namespace ydd
