@@ -14,6 +14,8 @@ namespace ydd::app {
 /// job after parsing, prints a failure as one line and exits 1.
 using Job = std::function<Result<void>()>;
 
+void add_run_command(CLI::App& app, Job& job);
 void add_options_command(CLI::App& app, Job& job);
+void add_eval_command(CLI::App& app, Job& job);
 
 }  // namespace ydd::app

@@ -23,11 +23,14 @@ int run_job(const ydd::app::Job& job) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"ydd-slam: visual RGB-D SLAM that keeps its bearings among moving people", "ydd-slam"};
+  CLI::App app{"ydd-slam: visual RGB-D SLAM that keeps its bearings among moving people",
+               "ydd-slam"};
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("ydd-slam ") + ydd::kVersion);
   ydd::app::Job job;
+  ydd::app::add_run_command(app, job);
   ydd::app::add_options_command(app, job);
+  ydd::app::add_eval_command(app, job);
   try {
     app.parse(argc, argv);
     return run_job(job);
