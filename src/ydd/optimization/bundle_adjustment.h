@@ -47,8 +47,15 @@ struct BundleResult {
   bool interrupted = false;  ///< `stop` was requested; the best state so far is given
 };
 
-/// Minimises reprojection error over free poses and all points. Points without any free or fixed
-/// pose stay. Deterministic: one thread, fixed order.
+/// Minimises reprojection error over free poses and all points by Levenberg-Marquardt, eliminating
+/// the points (Schur complement): first all observations under Huber's kernel (widths: square roots
+/// of the gates), then, without kernel, those that pass the gates.
+///
+/// At least one pose should be fixed; if none is, the first is held. Points and poses that nothing
+/// observes stay. Points behind a camera and observations that are not finite or have no positive
+/// `inv_sigma2` are outliers; the latter never count in a cost. Deterministic: one thread, fixed
+/// order. `stop` is looked at between the phases of an iteration.
+/// @throws std::logic_error if an observation names a pose or point that is not there.
 BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
                           const BundleOptions& options, std::stop_token stop = {});
 

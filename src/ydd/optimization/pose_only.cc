@@ -207,15 +207,15 @@ class Evaluator {
 
   template <bool kHuber>
   void accumulate(const Block& b, const LanePoint& p, Sums& sums) const {
-    // A point that a trial step puts behind the camera keeps a large cost, so that the step is
-    // refused, but no derivatives: those of a mirrored point lead astray.
     const Reprojection<Lanes> seen(k_, p.x, p.y, stdx::max(p.z, Lanes(kNearestDepthM)));
     const Lanes stereo = load(b.stereo);
     const Lanes eu = seen.u - load(b.u);
     const Lanes ev = seen.v - load(b.v);
     const Lanes er = seen.r - load(b.r);
     Lanes w = load(b.inv_sigma2) * load(b.active);
-    const Lanes chi2 = w * (eu * eu + ev * ev + stereo * er * er);
+    Lanes chi2 = w * (eu * eu + ev * ev + stereo * er * er);
+    where(p.z <= kNearestDepthM && w > 0.0, chi2) = kChi2Behind;
+    where(p.z <= kNearestDepthM, w) = 0.0;
     if constexpr (kHuber) {
       const Lanes width2 = gate(b);
       const Lanes huber = stdx::min(Lanes(1.0), stdx::sqrt(width2 / stdx::max(chi2, Lanes(1e-30))));
@@ -225,7 +225,6 @@ class Evaluator {
     } else {
       sums.cost += chi2;
     }
-    where(p.z <= kNearestDepthM, w) = 0.0;
     sums.add_row_without_1(w, eu, seen.du0, seen.du2, seen.du3, seen.du4, seen.du5);
     sums.add_row_without_0(w, ev, seen.dv1, seen.dv2, seen.dv3, seen.dv4, seen.dv5);
     sums.add_row_without_1(w * stereo, er, seen.du0, seen.dr2, seen.dr3, seen.dr4, seen.du5);

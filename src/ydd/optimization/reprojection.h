@@ -69,4 +69,9 @@ inline Eigen::Matrix<double, 3, 6> twist_jacobian(const Reprojection<double>& p)
 /// Points nearer than this to the image plane, or behind it, count as not visible.
 inline constexpr double kNearestDepthM = 1e-3;
 
+/// What a trial step pays, as chi-square, for an observation whose point it puts behind the camera:
+/// enough to be noticed, too little to hold up everything else. Such observations have no
+/// derivatives, for those of a mirrored point lead astray.
+inline constexpr double kChi2Behind = 100.0;
+
 }  // namespace ydd
