@@ -32,7 +32,7 @@ class QuietOpenCv {
 std::string reason_of(const cv::Exception& e) {
   std::string reason = e.err.empty() ? "unknown error" : e.err;
   std::replace(reason.begin(), reason.end(), '\n', ' ');
-  constexpr std::size_t kLongest = 160;
+  constexpr std::size_t kLongest = 300;
   if (reason.size() > kLongest) reason = reason.substr(0, kLongest) + "...";
   return reason;
 }

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ydd/base/options.h"
+#include "ydd/base/result.h"
+#include "ydd/detection/combined_detector.h"
+#include "ydd/detection/detector.h"
+#include "ydd/detection/network.h"
+#include "ydd/detection/object_catalogue.h"
+
+namespace ydd {
+
+/// One network of a detector file.
+struct NetworkConfig {
+  std::string name;  ///< key in `networks`
+
+  std::string model;          ///< ONNX file
+  std::string class_table;    ///< YAML file, key `classes`
+  std::string kind = "auto";  ///< of YoloKind, or auto
+  InferenceOptions inference;
+  int input_width_px = 640, input_height_px = 480;
+  std::string channel_order = "auto", values = "auto";
+  double score_threshold = 0.3;
+  double nms_iou = 0.45;
+
+  std::map<std::string, std::string> rename;       ///< class of the table -> class of detections
+  std::map<std::string, double> class_thresholds;  ///< by class of the table
+  std::vector<std::string> keep;                   ///< classes of the table; empty: all
+
+  void describe(OptionTable& table);
+};
+
+/// A detector file (configs/detector/*.yaml):
+///
+///     networks:
+///       objects:                         # any name; --set networks.objects.input.width=320
+///         model: yolov5n_coco_anysize.onnx
+///         classes: coco_classes.yaml
+///         rename: {tv: monitor}
+///         class_thresholds: {person: 0.25}
+///         keep: [person, chair]
+///     merge: {hand_reach_heads: 4}
+///
+/// Paths are relative to the file; a model is also looked for in the folder `models` and in the
+/// folder that the environment variable YDD_MODELS names.
+struct DetectorConfig {
+  std::filesystem::path file;
+  std::string models;
+  std::vector<NetworkConfig> networks;
+  MergeOptions merge;
+
+  void describe(OptionTable& table);
+};
+
+/// Reads a detector file. `overrides` are "key=value" from the command line; the name of a network
+/// may be `*` there, for all of them: "networks.*.input.width=320". Errors name file and line.
+Result<DetectorConfig> read_detector_config(const std::filesystem::path& file,
+                                            std::span<const std::string> overrides = {});
+
+/// The configuration in force, in the form of the file.
+std::string to_yaml(DetectorConfig config);
+
+/// Loads and tries all networks. The failure is one line that names the file at fault: a model that
+/// is missing, truncated or of another kind, a class table that does not fit it, or one of whose
+/// classes (after renaming) `catalogue` knows none.
+Result<std::unique_ptr<Detector>> make_detector(const DetectorConfig& config,
+                                                const ObjectCatalogue& catalogue);
+
+/// Both in one.
+Result<std::unique_ptr<Detector>> make_detector(
+    const std::filesystem::path& file, std::span<const std::string> overrides = {},
+    const ObjectCatalogue& catalogue = ObjectCatalogue::defaults());
+
+}  // namespace ydd
