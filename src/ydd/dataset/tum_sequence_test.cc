@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/dataset/tum_sequence.h"
 
+#include <algorithm>
+#include <cstdlib>
 #include <fstream>
-#include <iterator>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ydd/dataset/camera_file.h"
+#include "ydd/dataset/frame_source.h"
+#include "ydd/dataset/trajectory.h"
 #include "ydd/image/decode.h"
 
 namespace ydd {
@@ -205,6 +209,51 @@ TEST_F(TumSequenceTest, WrongType) {
   write("rgb/2.png", "<html>404</html>");
   EXPECT_THAT(read_error(2), EndsWith("rgb/2.png: is neither PNG nor JPEG"));
 }
+
+TEST_F(TumSequenceTest, FrameSourceDeliversInOrderAndGoesOnAfterABadFrame) {
+  truncate("rgb/1.png", 3);
+  for (const int workers : {0, 1, 2}) {
+    FrameSource source(*Sequence::open(folder_), small_camera(), {.depth = 2, .workers = workers});
+    EXPECT_EQ(source.sequence().size(), 3U);
+    EXPECT_EQ((*source.next())->index, 0);
+    EXPECT_THAT(source.next()->error().message, HasSubstr("rgb/1.png: is truncated"));
+    EXPECT_EQ((*source.next())->index, 2);
+    EXPECT_FALSE(source.next());
+  }
+}
+
+TEST_F(TumSequenceTest, FrameSourceMayGoEarly) {
+  FrameSource source(*Sequence::open(folder_), small_camera(), {.depth = 1, .workers = 2});
+  EXPECT_TRUE(source.next()->ok());
+}
+
+/// Every frame of the recordings at hand.
+class RecordedSequences : public testing::TestWithParam<const char*> {};
+
+TEST_P(RecordedSequences, CanBeRead) {
+  const char* const data = std::getenv("YDD_DATA");
+  if (!data) GTEST_SKIP() << "set YDD_DATA to the folder that holds the recordings";
+  const fs::path folder = fs::path(data) / GetParam();
+  const auto camera = find_camera(folder);
+  ASSERT_TRUE(camera) << camera.error().message;
+  auto sequence = Sequence::open(folder);
+  ASSERT_TRUE(sequence) << sequence.error().message;
+  EXPECT_GE(sequence->size(), 49U);
+  ASSERT_TRUE(sequence->groundtruth_file());
+  EXPECT_TRUE(read_tum_trajectory(*sequence->groundtruth_file()));
+  for (std::size_t i = 0; i < sequence->size(); i += 10) {
+    const auto frame = sequence->read(i, *camera);
+    ASSERT_TRUE(frame) << frame.error().message;
+    const float* const depth_m = frame->depth_m.data();
+    const auto valid = std::count_if(depth_m, depth_m + 640 * 480,
+                                     [&](float d) { return camera->is_valid_depth(d); });
+    EXPECT_GT(valid, 640 * 480 / 3) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Recorded, RecordedSequences,
+                         testing::Values("tum_fr1_xyz", "tum_fr3_walking_halfsphere", "crowd_xyz"),
+                         [](const auto& test) { return std::string(test.param); });
 
 }  // namespace
 }  // namespace ydd
