@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ydd/base/result.h"
+#include "ydd/dataset/trajectory.h"
+#include "ydd/dataset/tum_sequence.h"
+
+namespace ydd::app {
+
+/// One run as the command line asks for it.
+struct RunRequest {
+  std::string sequence;
+  std::string camera;
+  std::string config;
+  std::vector<std::string> set;
+  std::string out;
+  std::string detections;
+  std::string dynamic;
+  std::string trajectory_format = "tum";
+  SequenceOptions sequence_options;
+  int frames = 0;  ///< 0: all
+  int seed = -1;   ///< negative: as configured
+  bool realtime = false;
+  bool deterministic = false;
+  bool strict = false;
+  bool dump_map = false;
+  bool quiet = false;
+  bool json = false;
+};
+
+struct RunOutcome {
+  std::filesystem::path folder;
+  std::string summary_json;
+  StampedPoses trajectory;
+  std::optional<std::filesystem::path> groundtruth_file;
+  int processed = 0;
+  int tracked = 0;
+};
+
+/// Runs the system over a sequence and leaves the results in a folder.
+Result<RunOutcome> run_sequence(const RunRequest& request);
+
+}  // namespace ydd::app

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/map/atlas.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <unordered_map>
+#include <utility>
+
+namespace ydd {
+namespace {
+
+auto sighting_by(const MapPoint& point, KeyFrameId keyframe) {
+  return std::find_if(point.sightings.begin(), point.sightings.end(),
+                      [&](const Sighting& s) { return s.keyframe == keyframe; });
+}
+
+}  // namespace
+
+Atlas::Atlas(const Camera& camera, const PyramidScales& scales)
+    : camera_(camera),
+      scales_(scales),
+      culled_(std::make_shared<const std::map<KeyFrameId, CulledKeyFrame>>()) {}
+
+Atlas::Atlas(const Atlas& other, Table<KeyFrame, KeyFrameTag> keyframes,
+             Table<MapPoint, MapPointTag> points)
+    : camera_(other.camera_),
+      scales_(other.scales_),
+      keyframes_(std::move(keyframes)),
+      points_(std::move(points)),
+      culled_(other.culled_),
+      revision_(other.revision_),
+      newest_(other.newest_),
+      next_serial_(other.next_serial_),
+      maps_(other.maps_) {}
+
+std::shared_ptr<const Atlas> Atlas::snapshot() {
+  return std::shared_ptr<const Atlas>(new Atlas(*this, keyframes_.snapshot(), points_.snapshot()));
+}
+
+MapId Atlas::new_map() {
+  ++revision_;
+  return {maps_++, 1};
+}
+
+KeyFrameId Atlas::add_keyframe(KeyFrame keyframe) {
+  ++revision_;
+  keyframe.serial = next_serial_++;
+  const std::vector<MapPointId> wanted = std::move(keyframe.points);
+  keyframe.points.assign(keyframe.features().size(), MapPointId{});
+  keyframe.covisible.clear();
+  const KeyFrameId id = keyframes_.insert(std::move(keyframe));
+  newest_ = id;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (points_.contains(wanted[i])) add_sighting(wanted[i], id, static_cast<int>(i));
+  }
+  return id;
+}
+
+MapPointId Atlas::add_point(const Eigen::Vector3d& p_world, KeyFrameId keyframe, int keypoint) {
+  MapPoint point;
+  point.p_world = p_world;
+  point.born = keyframes_.at(keyframe).serial;
+  const MapPointId id = points_.insert(std::move(point));
+  if (!add_sighting(id, keyframe, keypoint)) {
+    throw std::logic_error("Atlas: add_point on a keypoint that has a point");
+  }
+  refresh_point(id);
+  return id;
+}
+
+bool Atlas::add_sighting(MapPointId point, KeyFrameId keyframe, int keypoint) {
+  const auto k = static_cast<std::size_t>(keypoint);
+  const KeyFrame& seen_by = keyframes_.at(keyframe);
+  const MapPoint& seen = points_.at(point);
+  if (seen_by.points.at(k).valid() || sighting_by(seen, keyframe) != seen.sightings.end()) {
+    return false;
+  }
+  ++revision_;
+  keyframes_.edit(keyframe).points[k] = point;
+  points_.edit(point).sightings.push_back({keyframe, keypoint});
+  return true;
+}
+
+void Atlas::unlink(MapPointId point, const Sighting& sighting) {
+  ++revision_;
+  keyframes_.edit(sighting.keyframe).points[static_cast<std::size_t>(sighting.keypoint)] = {};
+  std::erase(points_.edit(point).sightings, sighting);
+}
+
+void Atlas::remove_sighting(MapPointId point, KeyFrameId keyframe) {
+  const MapPoint& seen = points_.at(point);
+  const auto found = sighting_by(seen, keyframe);
+  if (found == seen.sightings.end()) return;
+  unlink(point, Sighting(*found));
+  if (points_.at(point).sightings.empty()) points_.erase(point);
+}
+
+void Atlas::remove_point(MapPointId point) {
+  const std::vector<Sighting> sightings = points_.at(point).sightings;
+  for (const Sighting& sighting : sightings) unlink(point, sighting);
+  points_.erase(point);
+}
+
+void Atlas::merge_points(MapPointId from, MapPointId into) {
+  if (from == into) return;
+  const MapPoint replaced = points_.at(from);
+  remove_point(from);
+  for (const Sighting& s : replaced.sightings) add_sighting(into, s.keyframe, s.keypoint);
+  count_views(into, replaced.visible, replaced.found);
+  refresh_point(into);
+}
+
+void Atlas::set_pose(KeyFrameId keyframe, const SE3& T_world_camera) {
+  ++revision_;
+  keyframes_.edit(keyframe).T_world_camera = T_world_camera;
+}
+
+void Atlas::set_position(MapPointId point, const Eigen::Vector3d& p_world) {
+  ++revision_;
+  points_.edit(point).p_world = p_world;
+}
+
+void Atlas::set_parent(KeyFrameId keyframe, KeyFrameId parent) {
+  ++revision_;
+  keyframes_.edit(keyframe).parent = parent;
+}
+
+void Atlas::set_map(KeyFrameId keyframe, MapId map) {
+  ++revision_;
+  keyframes_.edit(keyframe).map = map;
+}
+
+void Atlas::count_views(MapPointId point, int visible, int found) {
+  ++revision_;
+  MapPoint& p = points_.edit(point);
+  p.visible += visible;
+  p.found += found;
+}
+
+void Atlas::refresh_point(MapPointId id) {
+  ++revision_;
+  MapPoint& point = points_.edit(id);
+  if (point.sightings.empty()) return;
+  std::vector<Descriptor> descriptors;
+  descriptors.reserve(point.sightings.size());
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (const Sighting& s : point.sightings) {
+    const KeyFrame& keyframe = keyframes_.at(s.keyframe);
+    descriptors.push_back(keyframe.features().descriptors[static_cast<std::size_t>(s.keypoint)]);
+    normal += (point.p_world - keyframe.T_world_camera.translation()).normalized();
+  }
+  point.descriptor = median_descriptor(descriptors);
+  point.normal = normal.normalized();
+  // The oldest sighting fixes the scale range: a keypoint on octave o at distance d would be seen
+  // on octave 0 at d * factor[o].
+  const Sighting& first = point.sightings.front();
+  const KeyFrame& reference = keyframes_.at(first.keyframe);
+  const int octave =
+      reference.features().keypoints[static_cast<std::size_t>(first.keypoint)].octave;
+  const double distance_m = (point.p_world - reference.T_world_camera.translation()).norm();
+  point.max_distance_m = distance_m * scales_.factor[static_cast<std::size_t>(octave)];
+  point.min_distance_m = point.max_distance_m / scales_.factor.back();
+}
+
+std::optional<SE3> Atlas::T_world_keyframe(KeyFrameId id) const {
+  SE3 T_ancestor_keyframe;
+  for (;;) {
+    if (const KeyFrame* keyframe = keyframes_.find(id)) {
+      return keyframe->T_world_camera * T_ancestor_keyframe;
+    }
+    const auto culled = culled_->find(id);
+    if (culled == culled_->end()) return std::nullopt;
+    T_ancestor_keyframe = culled->second.T_parent_keyframe * T_ancestor_keyframe;
+    id = culled->second.parent;
+  }
+}
+
+}  // namespace ydd

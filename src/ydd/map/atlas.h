@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ydd/base/table.h"
+#include "ydd/geometry/camera.h"
+#include "ydd/map/map_types.h"
+
+namespace ydd {
+
+/// All maps of a run: keyframes, landmarks, and who sees what.
+///
+/// One pair of tables holds the keyframes and points of every map; a keyframe says to which map it
+/// belongs, so that welding two maps is a relabelling and ids stay valid. Every edit keeps both
+/// sides of each link; `check_consistency` proves it in tests.
+///
+/// Thread: one owner edits; everybody else reads what `snapshot` gave. Pointers from `find` are
+/// valid until the next edit.
+class Atlas {
+ public:
+  Atlas(const Camera& camera, const PyramidScales& scales);
+
+  const Camera& camera() const { return camera_; }
+  const PyramidScales& scales() const { return scales_; }
+  /// Counts edits: two atlases of one run with equal revisions are equal.
+  std::uint64_t revision() const { return revision_; }
+
+  const KeyFrame* find(KeyFrameId id) const { return keyframes_.find(id); }
+  const MapPoint* find(MapPointId id) const { return points_.find(id); }
+  const KeyFrame& at(KeyFrameId id) const { return keyframes_.at(id); }
+  const MapPoint& at(MapPointId id) const { return points_.at(id); }
+  const Table<KeyFrame, KeyFrameTag>& keyframes() const { return keyframes_; }
+  const Table<MapPoint, MapPointTag>& points() const { return points_; }
+
+  /// A name for a further map.
+  MapId new_map();
+
+  /// Adds a keyframe; its points are linked (ids that are stale or already seen by it are dropped).
+  /// The serial is given here.
+  KeyFrameId add_keyframe(KeyFrame keyframe);
+  /// Adds a point seen by keypoint `keypoint` of `keyframe`, which must be free.
+  MapPointId add_point(const Eigen::Vector3d& p_world, KeyFrameId keyframe, int keypoint);
+  /// Links a point and a keypoint. False, and no change, if either side is already linked.
+  bool add_sighting(MapPointId point, KeyFrameId keyframe, int keypoint);
+  /// Unlinks; a point with no sighting left is removed.
+  void remove_sighting(MapPointId point, KeyFrameId keyframe);
+  /// Moves all sightings of `from` to `into` where `into` has none yet, adds its counters, and
+  /// removes `from`.
+  void merge_points(MapPointId from, MapPointId into);
+  void remove_point(MapPointId point);
+  /// Takes a keyframe out: its points lose a sighting, its children get a new parent, and where it
+  /// stood is remembered relative to its parent. The first keyframe of a map cannot be culled.
+  void cull_keyframe(KeyFrameId keyframe);
+
+  void set_pose(KeyFrameId keyframe, const SE3& T_world_camera);
+  void set_position(MapPointId point, const Eigen::Vector3d& p_world);
+  void set_parent(KeyFrameId keyframe, KeyFrameId parent);
+  void set_map(KeyFrameId keyframe, MapId map);
+  /// Adds to how often a point should have been seen and was.
+  void count_views(MapPointId point, int visible, int found);
+  /// Recomputes descriptor, normal and distances of a point from its sightings.
+  void refresh_point(MapPointId point);
+  /// Recomputes with whom a keyframe shares points; connects those with at least `min_weight`
+  /// (always the strongest), on both sides. Gives a parent if it has none and is not the first.
+  void refresh_covisibility(KeyFrameId keyframe, int min_weight);
+
+  /// Pose of a keyframe, also of a culled one. Nothing for an id that never was.
+  std::optional<SE3> T_world_keyframe(KeyFrameId id) const;
+
+  /// The keyframe added last that is still kept; empty when there is none.
+  KeyFrameId newest_keyframe() const { return newest_; }
+  /// Whether a keyframe is the one that started its map.
+  bool is_first(KeyFrameId id) const;
+  std::vector<KeyFrameId> children(KeyFrameId id) const;
+
+  /// An immutable copy; O(size / 64).
+  std::shared_ptr<const Atlas> snapshot();
+
+  /// Empty when all links hold; else one line per violation.
+  std::vector<std::string> check_consistency() const;
+
+ private:
+  Atlas(const Atlas& other, Table<KeyFrame, KeyFrameTag> keyframes,
+        Table<MapPoint, MapPointTag> points);
+  void unlink(MapPointId point, const Sighting& sighting);
+  void connect(KeyFrameId from, KeyFrameId to, int weight);
+  void drop_connections(KeyFrameId keyframe);
+  KeyFrameId best_new_parent(KeyFrameId child, const std::vector<KeyFrameId>& orphans) const;
+  void adopt_children(KeyFrameId culled);
+  KeyFrameId youngest() const;
+
+  Camera camera_;
+  PyramidScales scales_;
+  Table<KeyFrame, KeyFrameTag> keyframes_;
+  Table<MapPoint, MapPointTag> points_;
+  std::shared_ptr<const std::map<KeyFrameId, CulledKeyFrame>> culled_;
+  std::uint64_t revision_ = 0;
+  KeyFrameId newest_;
+  std::int64_t next_serial_ = 0;
+  std::uint32_t maps_ = 0;
+};
+
+/// Keypoint `i` as bundle adjustment and pose optimisation want it: u, v, virtual right u
+/// (negative: none), undistorted pixels.
+inline Eigen::Vector3d uvr_px(const Features& features, int i) {
+  const auto k = static_cast<std::size_t>(i);
+  return {features.undistorted_px[k].x(), features.undistorted_px[k].y(), features.right_px[k]};
+}
+
+}  // namespace ydd

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// The graph parts of Atlas: who shares points with whom, and the spanning tree.
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "ydd/map/atlas.h"
+
+namespace ydd {
+namespace {
+
+void sort_heaviest_first(std::vector<Covisible>& list, const Table<KeyFrame, KeyFrameTag>& table) {
+  std::sort(list.begin(), list.end(), [&](const Covisible& a, const Covisible& b) {
+    if (a.weight != b.weight) return a.weight > b.weight;
+    return table.at(a.keyframe).serial < table.at(b.keyframe).serial;
+  });
+}
+
+std::vector<Covisible> shared_points(const Atlas& atlas, KeyFrameId id) {
+  std::map<KeyFrameId, int> counts;
+  for (const MapPointId point : atlas.at(id).points) {
+    if (!point.valid()) continue;
+    for (const Sighting& s : atlas.at(point).sightings) {
+      if (s.keyframe != id) ++counts[s.keyframe];
+    }
+  }
+  std::vector<Covisible> list;
+  list.reserve(counts.size());
+  for (const auto& [keyframe, weight] : counts) list.push_back({keyframe, weight});
+  sort_heaviest_first(list, atlas.keyframes());
+  return list;
+}
+
+}  // namespace
+
+void Atlas::connect(KeyFrameId from, KeyFrameId to, int weight) {
+  std::vector<Covisible>& list = keyframes_.edit(from).covisible;
+  const auto found =
+      std::find_if(list.begin(), list.end(), [&](const Covisible& c) { return c.keyframe == to; });
+  if (found == list.end()) {
+    list.push_back({to, weight});
+  } else {
+    found->weight = weight;
+  }
+  sort_heaviest_first(list, keyframes_);
+}
+
+void Atlas::drop_connections(KeyFrameId id) {
+  for (const Covisible& c : keyframes_.at(id).covisible) {
+    std::erase_if(keyframes_.edit(c.keyframe).covisible,
+                  [&](const Covisible& back) { return back.keyframe == id; });
+  }
+  keyframes_.edit(id).covisible.clear();
+}
+
+void Atlas::refresh_covisibility(KeyFrameId id, int min_weight) {
+  ++revision_;
+  std::vector<Covisible> list = shared_points(*this, id);
+  const auto weak = std::find_if(list.begin(), list.end(),
+                                 [&](const Covisible& c) { return c.weight < min_weight; });
+  const auto keep = static_cast<std::size_t>(weak - list.begin());
+  if (list.size() > 1) list.resize(std::max<std::size_t>(keep, 1));
+  drop_connections(id);
+  for (const Covisible& c : list) connect(c.keyframe, id, c.weight);
+  KeyFrame& keyframe = keyframes_.edit(id);
+  keyframe.covisible = std::move(list);
+  if (!keyframe.parent.valid() && !is_first(id) && !keyframe.covisible.empty()) {
+    keyframe.parent = keyframe.covisible.front().keyframe;
+  }
+}
+
+bool Atlas::is_first(KeyFrameId id) const {
+  const KeyFrame& keyframe = keyframes_.at(id);
+  if (keyframe.parent.valid()) return false;
+  bool first = true;
+  keyframes_.for_each([&](KeyFrameId, const KeyFrame& other) {
+    first = first && (other.map != keyframe.map || other.serial >= keyframe.serial);
+  });
+  return first;
+}
+
+std::vector<KeyFrameId> Atlas::children(KeyFrameId id) const {
+  std::vector<KeyFrameId> out;
+  keyframes_.for_each([&](KeyFrameId child, const KeyFrame& keyframe) {
+    if (keyframe.parent == id) out.push_back(child);
+  });
+  return out;
+}
+
+KeyFrameId Atlas::best_new_parent(KeyFrameId child, const std::vector<KeyFrameId>& orphans) const {
+  // An orphan under an orphan could close a ring; only keyframes outside the orphaned sub-trees
+  // are safe, that is those whose chain of parents does not end in one of them.
+  const auto leads_to_orphan = [&](KeyFrameId id) {
+    for (const KeyFrame* k = find(id); k; id = k->parent, k = find(id)) {
+      if (std::find(orphans.begin(), orphans.end(), id) != orphans.end()) return true;
+    }
+    return false;
+  };
+  for (const Covisible& c : at(child).covisible) {
+    if (!leads_to_orphan(c.keyframe)) return c.keyframe;
+  }
+  return {};
+}
+
+void Atlas::adopt_children(KeyFrameId culled) {
+  const KeyFrameId grandparent = at(culled).parent;
+  std::vector<KeyFrameId> orphans = children(culled);
+  for (const KeyFrameId child : orphans) keyframes_.edit(child).parent = {};
+  bool progress = true;
+  while (progress && !orphans.empty()) {
+    progress = false;
+    for (std::size_t i = 0; i < orphans.size(); ++i) {
+      const KeyFrameId parent = best_new_parent(orphans[i], orphans);
+      if (!parent.valid()) continue;
+      keyframes_.edit(orphans[i]).parent = parent;
+      orphans.erase(orphans.begin() + static_cast<std::ptrdiff_t>(i));
+      progress = true;
+      break;
+    }
+  }
+  for (const KeyFrameId child : orphans) keyframes_.edit(child).parent = grandparent;
+}
+
+void Atlas::cull_keyframe(KeyFrameId id) {
+  if (is_first(id)) throw std::logic_error("Atlas: the first keyframe of a map cannot be culled");
+  ++revision_;
+  const std::vector<MapPointId> points = at(id).points;
+  for (const MapPointId point : points) {
+    if (point.valid()) remove_sighting(point, id);
+  }
+  drop_connections(id);
+  adopt_children(id);
+  const KeyFrame& keyframe = at(id);
+  auto culled = std::make_shared<std::map<KeyFrameId, CulledKeyFrame>>(*culled_);
+  (*culled)[id] = {keyframe.parent,
+                   at(keyframe.parent).T_world_camera.inverse() * keyframe.T_world_camera};
+  culled_ = std::move(culled);
+  keyframes_.erase(id);
+  if (id == newest_) newest_ = youngest();
+}
+
+KeyFrameId Atlas::youngest() const {
+  KeyFrameId youngest;
+  std::int64_t serial = -1;
+  keyframes_.for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
+    if (keyframe.serial <= serial) return;
+    serial = keyframe.serial;
+    youngest = id;
+  });
+  return youngest;
+}
+
+std::vector<std::string> Atlas::check_consistency() const {
+  std::vector<std::string> faults;
+  points_.for_each([&](MapPointId id, const MapPoint& point) {
+    if (point.sightings.empty()) faults.push_back(fmt::format("point {}: no sighting", id.slot));
+    for (const Sighting& s : point.sightings) {
+      const KeyFrame* keyframe = find(s.keyframe);
+      if (!keyframe || keyframe->points.at(static_cast<std::size_t>(s.keypoint)) != id) {
+        faults.push_back(fmt::format("point {}: sighting without link back", id.slot));
+      }
+    }
+  });
+  keyframes_.for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
+    if (keyframe.points.size() != keyframe.features().size()) {
+      faults.push_back(fmt::format("keyframe {}: point list of another length", id.slot));
+    }
+    for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
+      if (!keyframe.points[i].valid()) continue;
+      const MapPoint* point = find(keyframe.points[i]);
+      const Sighting link{id, static_cast<int>(i)};
+      if (!point || std::find(point->sightings.begin(), point->sightings.end(), link) ==
+                        point->sightings.end()) {
+        faults.push_back(fmt::format("keyframe {}: keypoint {} without link back", id.slot, i));
+      }
+    }
+    if (!keyframe.parent.valid() ? !is_first(id) : !find(keyframe.parent)) {
+      faults.push_back(fmt::format("keyframe {}: no parent", id.slot));
+    }
+    for (const Covisible& c : keyframe.covisible) {
+      const KeyFrame* other = find(c.keyframe);
+      const Covisible back{id, c.weight};
+      if (!other || std::find(other->covisible.begin(), other->covisible.end(), back) ==
+                        other->covisible.end()) {
+        faults.push_back(fmt::format("keyframe {}: one-sided covisibility", id.slot));
+      }
+    }
+  });
+  return faults;
+}
+
+}  // namespace ydd

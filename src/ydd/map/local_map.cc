@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/map/local_map.h"
+
+#include <algorithm>
+
+namespace ydd {
+namespace {
+
+constexpr std::size_t kNeighboursPerKeyframe = 10;
+
+/// Set of ids of one table as flags by slot.
+class SlotSet {
+ public:
+  explicit SlotSet(std::uint32_t slots) : flags_(slots, 0) {}
+  /// False if it was in already.
+  bool insert(std::uint32_t slot) {
+    if (flags_[slot] != 0) return false;
+    flags_[slot] = 1;
+    return true;
+  }
+
+ private:
+  std::vector<std::uint8_t> flags_;
+};
+
+/// Number of points of `points` that each keyframe sees, by slot.
+std::vector<int> votes_by_slot(const Atlas& atlas, std::span<const MapPointId> points) {
+  std::vector<int> votes(atlas.keyframes().slots(), 0);
+  for (const MapPointId id : points) {
+    const MapPoint* point = atlas.find(id);
+    if (!point) continue;
+    for (const Sighting& s : point->sightings) ++votes[s.keyframe.slot];
+  }
+  return votes;
+}
+
+std::vector<Covisible> voters(const Atlas& atlas, std::span<const MapPointId> points) {
+  const std::vector<int> votes = votes_by_slot(atlas, points);
+  std::vector<Covisible> list;
+  atlas.keyframes().for_each([&](KeyFrameId id, const KeyFrame&) {
+    if (votes[id.slot] > 0) list.push_back({id, votes[id.slot]});
+  });
+  std::stable_sort(list.begin(), list.end(), [&](const Covisible& a, const Covisible& b) {
+    if (a.weight != b.weight) return a.weight > b.weight;
+    return atlas.at(a.keyframe).serial > atlas.at(b.keyframe).serial;
+  });
+  return list;
+}
+
+void append_points(const Atlas& atlas, KeyFrameId id, SlotSet& seen, LocalMap& local) {
+  for (const MapPointId point_id : atlas.at(id).points) {
+    if (!point_id.valid() || !seen.insert(point_id.slot)) continue;
+    const MapPoint& point = atlas.at(point_id);
+    local.points.push_back({point.p_world, point.normal, point.min_distance_m, point.max_distance_m,
+                            point.descriptor, point_id});
+  }
+}
+
+}  // namespace
+
+KeyFrameId most_shared_keyframe(const Atlas& atlas, std::span<const MapPointId> points) {
+  const std::vector<Covisible> list = voters(atlas, points);
+  return list.empty() ? KeyFrameId{} : list.front().keyframe;
+}
+
+LocalMap gather_local_map(const Atlas& atlas, std::span<const MapPointId> points,
+                          KeyFrameId fallback, int max_keyframes) {
+  LocalMap local;
+  local.revision = atlas.revision();
+  SlotSet seen_keyframes(atlas.keyframes().slots());
+  const auto take = [&](KeyFrameId id) {
+    if (local.keyframes.size() < static_cast<std::size_t>(max_keyframes) && atlas.find(id) &&
+        seen_keyframes.insert(id.slot)) {
+      local.keyframes.push_back(id);
+    }
+  };
+  for (const Covisible& voter : voters(atlas, points)) take(voter.keyframe);
+  if (local.keyframes.empty()) take(fallback);
+  if (local.keyframes.empty()) return local;
+  local.reference = local.keyframes.front();
+  const std::size_t direct = local.keyframes.size();
+  for (std::size_t i = 0; i < direct; ++i) {
+    const KeyFrame& keyframe = atlas.at(local.keyframes[i]);
+    const std::size_t n = std::min(kNeighboursPerKeyframe, keyframe.covisible.size());
+    for (std::size_t k = 0; k < n; ++k) take(keyframe.covisible[k].keyframe);
+    take(keyframe.parent);
+  }
+  SlotSet seen_points(atlas.points().slots());
+  for (const KeyFrameId id : local.keyframes) append_points(atlas, id, seen_points, local);
+  return local;
+}
+
+}  // namespace ydd

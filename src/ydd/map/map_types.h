@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ydd/base/id.h"
+#include "ydd/base/timestamp.h"
+#include "ydd/dynamics/observations.h"
+#include "ydd/features/matching.h"
+#include "ydd/geometry/se3.h"
+
+namespace ydd {
+
+/// Which keypoint of which keyframe saw a map point.
+struct Sighting {
+  KeyFrameId keyframe;
+  int keypoint = 0;
+  friend bool operator==(const Sighting&, const Sighting&) = default;
+};
+
+/// A landmark: a plain immutable value that names keyframes by id.
+struct MapPoint {
+  Eigen::Vector3d p_world = Eigen::Vector3d::Zero();  ///< metres
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();   ///< mean unit direction camera -> point
+  /// Distances between which the extractor's pyramid can show the point, metres.
+  double min_distance_m = 0;
+  double max_distance_m = 0;
+  Descriptor descriptor{};
+  std::vector<Sighting> sightings;  ///< at most one per keyframe, in order of addition
+  std::int64_t born = 0;            ///< serial of the keyframe that created it
+  int visible = 1;                  ///< frames in which it should have been seen
+  int found = 1;                    ///< frames in which it was seen
+};
+
+struct Covisible {
+  KeyFrameId keyframe;
+  int weight = 0;  ///< number of shared points
+  friend bool operator==(const Covisible&, const Covisible&) = default;
+};
+
+/// A frame that the map keeps: a plain immutable value that names points by id.
+struct KeyFrame {
+  std::int64_t serial = 0;  ///< order of creation; never reused
+  std::int64_t frame_index = 0;
+  Timestamp stamp;
+  MapId map;  ///< which map of the atlas it belongs to
+  SE3 T_world_camera;
+  std::shared_ptr<const Observations> observations;
+  std::shared_ptr<const KeypointGrid> grid;  ///< over observations->features
+  std::vector<MapPointId> points;            ///< per keypoint; empty id: none
+  KeyFrameId parent;                         ///< in the spanning tree; empty for a map's first
+  std::vector<Covisible> covisible;          ///< heaviest first; ties by serial
+
+  const Features& features() const { return observations->features; }
+};
+
+/// Where a keyframe stood that is no longer kept, so that trajectories always resolve.
+struct CulledKeyFrame {
+  KeyFrameId parent;
+  SE3 T_parent_keyframe;
+};
+
+}  // namespace ydd

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/mapping/fuse.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ydd {
+namespace {
+
+constexpr double kMinViewCosine = 0.5;
+
+/// Keypoint of the keyframe that shows the point, or -1.
+int find_keypoint(const Atlas& atlas, const KeyFrame& keyframe, const SE3& T_camera_world,
+                  const MapPoint& point, double radius_px, const MatchLimits& limits,
+                  std::vector<int>& candidates) {
+  const Camera& camera = atlas.camera();
+  const Eigen::Vector3d p_camera = T_camera_world * point.p_world;
+  if (p_camera.z() <= 0) return -1;
+  const Eigen::Vector2d px = camera.project(p_camera);
+  if (px.x() < 0 || px.y() < 0 || px.x() >= camera.width_px || px.y() >= camera.height_px) {
+    return -1;
+  }
+  const Eigen::Vector3d ray = point.p_world - keyframe.T_world_camera.translation();
+  const double distance_m = ray.norm();
+  if (distance_m < 0.8 * point.min_distance_m || distance_m > 1.2 * point.max_distance_m ||
+      ray.dot(point.normal) < kMinViewCosine * distance_m) {
+    return -1;
+  }
+  const int octave = predicted_octave(atlas.scales(), point.max_distance_m, distance_m);
+  const double scale = atlas.scales().factor[static_cast<std::size_t>(octave)];
+  const Features& f = keyframe.features();
+  keyframe.grid->query(f, static_cast<float>(px.x()), static_cast<float>(px.y()),
+                       static_cast<float>(radius_px * scale), octave - 1, octave, candidates);
+  // The reprojection must pass the same test as in bundle adjustment.
+  std::erase_if(candidates, [&](int k) {
+    const auto i = static_cast<std::size_t>(k);
+    const Eigen::Vector3d seen = uvr_px(f, k);
+    const double right_error_px =
+        seen.z() < 0 ? 0.0 : px.x() - camera.bf() / p_camera.z() - seen.z();
+    const double error2 = (px - seen.head<2>()).squaredNorm() + right_error_px * right_error_px;
+    const double chi2 =
+        error2 * atlas.scales().inv_sigma2[static_cast<std::size_t>(f.keypoints[i].octave)];
+    return chi2 > (seen.z() < 0 ? 5.991 : 7.815);
+  });
+  const BestMatch best = best_match(point.descriptor, f, candidates);
+  return best.distance <= limits.strict ? best.index : -1;
+}
+
+/// Links or merges; the point that stays is the one with more sightings.
+void join(Atlas& atlas, KeyFrameId keyframe, int keypoint, MapPointId point) {
+  const MapPointId present = atlas.at(keyframe).points[static_cast<std::size_t>(keypoint)];
+  if (!present.valid()) {
+    if (atlas.add_sighting(point, keyframe, keypoint)) atlas.refresh_point(point);
+    return;
+  }
+  const bool keep_present = atlas.at(present).sightings.size() > atlas.at(point).sightings.size();
+  atlas.merge_points(keep_present ? point : present, keep_present ? present : point);
+}
+
+std::vector<KeyFrameId> neighbourhood(const Atlas& atlas, KeyFrameId id, int neighbours) {
+  std::vector<KeyFrameId> out;
+  const auto add = [&](KeyFrameId other) {
+    if (other != id && std::find(out.begin(), out.end(), other) == out.end()) out.push_back(other);
+  };
+  const auto& direct = atlas.at(id).covisible;
+  for (std::size_t i = 0; i < direct.size() && static_cast<int>(i) < neighbours; ++i) {
+    add(direct[i].keyframe);
+    const auto& second = atlas.at(direct[i].keyframe).covisible;
+    for (std::size_t k = 0; k < second.size() && k < 5; ++k) add(second[k].keyframe);
+  }
+  return out;
+}
+
+std::vector<MapPointId> points_of(const Atlas& atlas, std::span<const KeyFrameId> keyframes) {
+  std::vector<MapPointId> out;
+  std::vector<std::uint8_t> seen(atlas.points().slots(), 0);
+  for (const KeyFrameId id : keyframes) {
+    for (const MapPointId point : atlas.at(id).points) {
+      if (!point.valid() || seen[point.slot] != 0) continue;
+      seen[point.slot] = 1;
+      out.push_back(point);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+int fuse_points(Atlas& atlas, KeyFrameId id, std::span<const MapPointId> points, double radius_px,
+                const MatchLimits& limits) {
+  const SE3 T_camera_world = atlas.at(id).T_world_camera.inverse();
+  std::vector<int> candidates;
+  int fused = 0;
+  for (const MapPointId point_id : points) {
+    const MapPoint* point = atlas.find(point_id);
+    if (!point) continue;
+    const bool seen = std::any_of(point->sightings.begin(), point->sightings.end(),
+                                  [&](const Sighting& s) { return s.keyframe == id; });
+    if (seen) continue;
+    const int keypoint =
+        find_keypoint(atlas, atlas.at(id), T_camera_world, *point, radius_px, limits, candidates);
+    if (keypoint < 0) continue;
+    join(atlas, id, keypoint, point_id);
+    ++fused;
+  }
+  return fused;
+}
+
+int fuse_with_neighbours(Atlas& atlas, KeyFrameId id, int neighbours, double radius_px,
+                         int min_covisible_weight, const MatchLimits& limits) {
+  const std::vector<KeyFrameId> others = neighbourhood(atlas, id, neighbours);
+  const std::vector<MapPointId> own = points_of(atlas, std::span(&id, 1));
+  int fused = 0;
+  for (const KeyFrameId other : others) fused += fuse_points(atlas, other, own, radius_px, limits);
+  const std::vector<MapPointId> theirs = points_of(atlas, others);
+  fused += fuse_points(atlas, id, theirs, radius_px, limits);
+  atlas.refresh_covisibility(id, min_covisible_weight);
+  return fused;
+}
+
+}  // namespace ydd

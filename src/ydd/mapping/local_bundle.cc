@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/mapping/local_bundle.h"
+
+#include <algorithm>
+#include <map>
+
+namespace ydd {
+namespace {
+
+constexpr int kAbsent = -1;
+
+/// Adds a pose to the problem and gives its index.
+int add_pose(const Atlas& atlas, GatheredBundle& gathered, KeyFrameId id, bool fixed) {
+  gathered.keyframes.push_back(id);
+  gathered.problem.poses.push_back({atlas.at(id).T_world_camera.inverse(), fixed});
+  return static_cast<int>(gathered.keyframes.size()) - 1;
+}
+
+void add_free_poses(const Atlas& atlas, KeyFrameId centre, const LocalBundleOptions& options,
+                    GatheredBundle& gathered) {
+  add_pose(atlas, gathered, centre, atlas.is_first(centre));
+  for (const Covisible& c : atlas.at(centre).covisible) {
+    if (static_cast<int>(gathered.keyframes.size()) > options.max_free_keyframes) break;
+    add_pose(atlas, gathered, c.keyframe, atlas.is_first(c.keyframe));
+  }
+}
+
+void add_points(const Atlas& atlas, GatheredBundle& gathered) {
+  std::vector<std::uint8_t> seen(atlas.points().slots(), 0);
+  for (const KeyFrameId id : gathered.keyframes) {
+    for (const MapPointId point : atlas.at(id).points) {
+      if (!point.valid() || seen[point.slot] != 0) continue;
+      seen[point.slot] = 1;
+      gathered.points.push_back(point);
+      gathered.problem.points.push_back(atlas.at(point).p_world);
+    }
+  }
+}
+
+/// Outside keyframes that see the points, those that see most first.
+std::vector<KeyFrameId> outside_keyframes(const Atlas& atlas, const GatheredBundle& gathered,
+                                          const std::vector<int>& pose_by_slot) {
+  std::map<KeyFrameId, int> votes;
+  for (const MapPointId point : gathered.points) {
+    for (const Sighting& s : atlas.at(point).sightings) {
+      if (pose_by_slot[s.keyframe.slot] == kAbsent) ++votes[s.keyframe];
+    }
+  }
+  std::vector<KeyFrameId> out;
+  for (const auto& [id, count] : votes) out.push_back(id);
+  std::stable_sort(out.begin(), out.end(),
+                   [&](KeyFrameId a, KeyFrameId b) { return votes[a] > votes[b]; });
+  return out;
+}
+
+void add_observations(const Atlas& atlas, const std::vector<int>& pose_by_slot,
+                      GatheredBundle& gathered) {
+  for (int p = 0; p < static_cast<int>(gathered.points.size()); ++p) {
+    for (const Sighting& s : atlas.at(gathered.points[static_cast<std::size_t>(p)]).sightings) {
+      const int pose = pose_by_slot[s.keyframe.slot];
+      if (pose == kAbsent) continue;
+      const Features& f = atlas.at(s.keyframe).features();
+      const auto octave =
+          static_cast<std::size_t>(f.keypoints[static_cast<std::size_t>(s.keypoint)].octave);
+      gathered.problem.observations.push_back(
+          {pose, p, uvr_px(f, s.keypoint), atlas.scales().inv_sigma2[octave]});
+    }
+  }
+}
+
+}  // namespace
+
+void LocalBundleOptions::describe(OptionTable& t) {
+  t.group("solver", solver);
+  t.add("max_free_keyframes", max_free_keyframes, {1, 1000}, "", "keyframes that are adjusted");
+  t.add("max_fixed_keyframes", max_fixed_keyframes, {1, 1000}, "",
+        "keyframes that hold the frame of reference");
+}
+
+GatheredBundle gather_local_bundle(const Atlas& atlas, KeyFrameId keyframe,
+                                   const LocalBundleOptions& options) {
+  GatheredBundle gathered;
+  add_free_poses(atlas, keyframe, options, gathered);
+  add_points(atlas, gathered);
+  std::vector<int> pose_by_slot(atlas.keyframes().slots(), kAbsent);
+  for (int i = 0; i < static_cast<int>(gathered.keyframes.size()); ++i) {
+    pose_by_slot[gathered.keyframes[static_cast<std::size_t>(i)].slot] = i;
+  }
+  int fixed = 0;
+  for (const KeyFrameId id : outside_keyframes(atlas, gathered, pose_by_slot)) {
+    if (++fixed > options.max_fixed_keyframes) break;
+    pose_by_slot[id.slot] = add_pose(atlas, gathered, id, true);
+  }
+  // Without any fixed pose the whole problem could float: the oldest keyframe holds it.
+  auto& poses = gathered.problem.poses;
+  if (std::none_of(poses.begin(), poses.end(), [](const auto& p) { return p.fixed; })) {
+    std::size_t oldest = 0;
+    for (std::size_t i = 1; i < poses.size(); ++i) {
+      const auto serial = [&](std::size_t k) { return atlas.at(gathered.keyframes[k]).serial; };
+      if (serial(i) < serial(oldest)) oldest = i;
+    }
+    poses[oldest].fixed = true;
+  }
+  add_observations(atlas, pose_by_slot, gathered);
+  return gathered;
+}
+
+void apply_bundle(Atlas& atlas, const GatheredBundle& gathered, const BundleResult& result) {
+  for (std::size_t i = 0; i < gathered.keyframes.size(); ++i) {
+    if (gathered.problem.poses[i].fixed) continue;
+    atlas.set_pose(gathered.keyframes[i], result.T_camera_world[i].inverse());
+  }
+  for (std::size_t i = 0; i < gathered.points.size(); ++i) {
+    atlas.set_position(gathered.points[i], result.points[i]);
+  }
+  for (std::size_t i = 0; i < gathered.problem.observations.size(); ++i) {
+    if (result.inlier[i] != 0) continue;
+    const BundleProblem::Observation& o = gathered.problem.observations[i];
+    const MapPointId point = gathered.points[static_cast<std::size_t>(o.point)];
+    if (atlas.find(point)) {
+      atlas.remove_sighting(point, gathered.keyframes[static_cast<std::size_t>(o.pose)]);
+    }
+  }
+  for (const MapPointId point : gathered.points) {
+    if (atlas.find(point)) atlas.refresh_point(point);
+  }
+}
+
+}  // namespace ydd

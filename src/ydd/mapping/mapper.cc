@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/mapping/mapper.h"
+
+#include <algorithm>
+
+#include "ydd/mapping/fuse.h"
+
+namespace ydd {
+
+void MapperOptions::describe(OptionTable& t) {
+  t.group("bundle", bundle);
+  t.group("cull", cull);
+  t.group("triangulation", triangulation);
+  t.group("match", match);
+  t.add("min_covisible_weight", min_covisible_weight, {1, 1000}, "",
+        "shared points that connect two keyframes");
+  t.add("min_depth_points", min_depth_points, {0, 10000}, "",
+        "so many points are made from the nearest depth readings in any case");
+  t.add("close_depth", close_depth_m, {0.1, 100.0}, "m", "all nearer readings become points");
+  t.add("fuse_neighbours", fuse_neighbours, {0, 100}, "", "keyframes whose points are fused");
+  t.add("fuse_radius", fuse_radius_px, {0.5, 50.0}, "px", "search radius for fusing on octave 0");
+}
+
+Mapper::Mapper(const Camera& camera, const PyramidScales& scales, const MapperOptions& options)
+    : options_(options), atlas_(camera, scales) {}
+
+MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token stop) {
+  MapperReport report;
+  const auto timed = [&](const char* stage, auto&& step) {
+    StageTimer timer(report.times, stage);
+    return step();
+  };
+  const KeyFrameId id = report.keyframe =
+      timed("insert_keyframe", [&] { return insert(candidate); });
+  report.points_culled = timed(
+      "cull_points", [&] { return cull_recent_points(atlas_, recent_points_, id, options_.cull); });
+  report.points_from_depth = timed("create_points", [&] {
+    const int added = add_points_from_depth(id);
+    const auto triangulated =
+        triangulate_with_neighbours(atlas_, id, options_.triangulation, options_.match);
+    recent_points_.insert(recent_points_.end(), triangulated.begin(), triangulated.end());
+    report.points_triangulated = static_cast<int>(triangulated.size());
+    return added;
+  });
+  report.points_fused = timed("fuse_points", [&] {
+    return fuse_with_neighbours(atlas_, id, options_.fuse_neighbours, options_.fuse_radius_px,
+                                options_.min_covisible_weight, options_.match);
+  });
+  timed("local_bundle", [&] {
+    if (atlas_.keyframes().size() < 2) return;
+    const GatheredBundle gathered = gather_local_bundle(atlas_, id, options_.bundle);
+    apply_bundle(atlas_, gathered,
+                 solve_bundle(atlas_.camera(), gathered.problem, options_.bundle.solver, stop));
+  });
+  report.keyframes_culled =
+      timed("cull_keyframes", [&] { return cull_redundant_keyframes(atlas_, id, options_.cull); });
+  return report;
+}
+
+KeyFrameId Mapper::insert(const KeyFrameCandidate& candidate) {
+  const TrackedFrame& frame = candidate.frame;
+  KeyFrame keyframe;
+  keyframe.frame_index = frame.index;
+  keyframe.stamp = frame.stamp;
+  keyframe.observations = frame.observations;
+  keyframe.grid = frame.grid;
+  keyframe.points = frame.points;
+  const auto T_world_reference = atlas_.T_world_keyframe(candidate.reference);
+  const KeyFrame* reference = atlas_.find(candidate.reference);
+  keyframe.map = reference ? reference->map : atlas_.new_map();
+  // The reference may have moved since the frame was tracked: keep the relation, not the number.
+  keyframe.T_world_camera = T_world_reference ? *T_world_reference * candidate.T_reference_camera
+                                              : frame.T_camera_world.inverse();
+  const KeyFrameId id = atlas_.add_keyframe(std::move(keyframe));
+  const std::vector<MapPointId> points = atlas_.at(id).points;
+  for (const MapPointId point : points) {
+    if (point.valid()) atlas_.refresh_point(point);
+  }
+  for (const PointViews& views : candidate.views) {
+    if (atlas_.find(views.point)) atlas_.count_views(views.point, views.visible, views.found);
+  }
+  atlas_.refresh_covisibility(id, options_.min_covisible_weight);
+  if (reference && !atlas_.at(id).parent.valid()) atlas_.set_parent(id, candidate.reference);
+  return id;
+}
+
+int Mapper::add_points_from_depth(KeyFrameId id) {
+  const auto observations = atlas_.at(id).observations;  // shared: edits may move the keyframe
+  const Features& f = observations->features;
+  std::vector<int> order;
+  for (int i = 0; i < static_cast<int>(f.size()); ++i) {
+    if (f.has_depth(static_cast<std::size_t>(i))) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return f.depth_m[static_cast<std::size_t>(a)] < f.depth_m[static_cast<std::size_t>(b)];
+  });
+  int created = 0;
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    const auto i = static_cast<std::size_t>(order[rank]);
+    if (f.depth_m[i] > options_.close_depth_m &&
+        static_cast<int>(rank) >= options_.min_depth_points) {
+      break;
+    }
+    const KeyFrame& keyframe = atlas_.at(id);
+    if (keyframe.points[i].valid()) continue;
+    const Eigen::Vector3d p_world =
+        keyframe.T_world_camera *
+        atlas_.camera().unproject(f.undistorted_px[i].cast<double>(), f.depth_m[i]);
+    recent_points_.push_back(atlas_.add_point(p_world, id, order[rank]));
+    ++created;
+  }
+  return created;
+}
+
+}  // namespace ydd

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "ydd/base/timing.h"
+#include "ydd/map/atlas.h"
+#include "ydd/mapping/cull.h"
+#include "ydd/mapping/local_bundle.h"
+#include "ydd/mapping/triangulate.h"
+#include "ydd/tracking/tracker.h"
+
+namespace ydd {
+
+struct MapperOptions {
+  LocalBundleOptions bundle;
+  CullOptions cull;
+  TriangulationOptions triangulation;
+  MatchLimits match;
+  int min_covisible_weight = 15;
+  int min_depth_points = 100;
+  double close_depth_m = 3.0;
+  int fuse_neighbours = 10;
+  double fuse_radius_px = 3.0;
+  void describe(OptionTable& table);
+};
+
+/// What one keyframe did to the map.
+struct MapperReport {
+  KeyFrameId keyframe;
+  int points_from_depth = 0;
+  int points_triangulated = 0;
+  int points_fused = 0;
+  int points_culled = 0;
+  int keyframes_culled = 0;
+  StageTimes times;
+};
+
+/// Builds and refines the map, one candidate at a time; owner of the atlas.
+///
+/// insert -> cull points -> create points -> fuse -> bundle adjustment -> cull keyframes. Each step
+/// gathers, solves and applies in functions of its own.
+/// Thread: one. Deterministic as long as no stop is requested.
+class Mapper {
+ public:
+  Mapper(const Camera& camera, const PyramidScales& scales, const MapperOptions& options);
+
+  /// Takes a candidate into the map. `stop` interrupts bundle adjustment (the map stays valid).
+  MapperReport process(const KeyFrameCandidate& candidate, std::stop_token stop = {});
+
+  /// The map as it is, immutable.
+  std::shared_ptr<const Atlas> snapshot() { return atlas_.snapshot(); }
+  const Atlas& atlas() const { return atlas_; }
+
+ private:
+  KeyFrameId insert(const KeyFrameCandidate& candidate);
+  int add_points_from_depth(KeyFrameId keyframe);
+
+  MapperOptions options_;
+  Atlas atlas_;
+  std::vector<MapPointId> recent_points_;  ///< created lately, on probation
+};
+
+}  // namespace ydd

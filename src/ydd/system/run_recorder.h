@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "ydd/system/slam_system.h"
+
+namespace ydd {
+
+/// What a run was asked to do, for its summary.
+struct RunDescription {
+  std::string sequence;
+  std::string variant;   ///< off | box | person | full
+  std::string detector;  ///< file of the detector or recording; empty: none
+  bool deterministic = false;
+  bool realtime = false;
+  int seed = 0;
+};
+
+/// Collects what a run did, frame by frame, and tells it as JSON.
+class RunRecorder {
+ public:
+  void add(const FrameReport& report);
+  void add_skipped(std::int64_t frame, const std::string& reason);
+  void add_dropped(int frames) { dropped_ += frames; }
+
+  /// Frames read, tracked, lost, skipped; map size; points rejected per rule; medians of stages.
+  std::string summary_json(const RunDescription& run, const SlamSystem& system,
+                           double wall_seconds) const;
+  /// Per stage statistics in milliseconds (wall and processor time of the stage's thread), of the
+  /// tracker per frame and of the mapper per keyframe, and the series behind them.
+  std::string timings_json(const SlamSystem& system) const;
+
+  int processed() const { return processed_; }
+  int tracked() const { return tracked_; }
+
+ private:
+  struct Span {
+    std::int64_t first = 0, last = 0;
+  };
+  struct Series {
+    std::vector<double> wall_ms, cpu_ms;
+  };
+  static std::map<std::string, Series> mapper_series(const SlamSystem& system);
+
+  int processed_ = 0;
+  int tracked_ = 0;
+  int keyframes_ = 0;
+  int dropped_ = 0;
+  std::vector<std::pair<std::int64_t, std::string>> skipped_;
+  std::vector<Span> lost_;
+  std::vector<double> requested_, kept_;
+  std::array<std::int64_t, kRuleCount> rules_{};
+  std::map<std::string, Series> stages_;
+};
+
+/// Largest resident size of this process so far, megabytes.
+double peak_resident_mb();
+
+}  // namespace ydd

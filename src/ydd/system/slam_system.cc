@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/system/slam_system.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace ydd {
+namespace {
+
+std::unique_ptr<MappingRunner> make_mapping(const Camera& camera, const SystemOptions& options) {
+  Mapper mapper(camera, PyramidScales::make(options.orb.levels, options.orb.scale_step),
+                options.mapping);
+  return options.deterministic ? make_inline_mapping(std::move(mapper))
+                               : make_threaded_mapping(std::move(mapper));
+}
+
+}  // namespace
+
+SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
+                       ObjectCatalogue catalogue, std::unique_ptr<Detector> detector)
+    : camera_(camera),
+      extractor_(options.orb),
+      judge_(options.dynamics, std::move(catalogue)),
+      tracker_(options.tracking),
+      mapping_(make_mapping(camera, options)),
+      detector_(detector ? std::make_unique<DetectorRunner>(std::move(detector)) : nullptr) {}
+
+Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
+  FrameReport report;
+  report.index = frame.index;
+  report.stamp = frame.stamp;
+  StageTimes total;
+  StageTimer total_timer(total, "total");
+  if (detector_) detector_->start(frame);
+  const Features features = extract(frame, report);
+  Result<Detections> detections = join_detections(report);
+  if (!detections) return detections.error();
+  report.detections = std::move(*detections);
+  {
+    StageTimer timer(report.times, "dynamics");
+    report.judgement = judge_.judge(features, report.detections, frame.depth_m);
+    report.observations = std::make_shared<const Observations>(observe(features, report.judgement));
+  }
+  track(frame, report);
+  total_timer.stop();
+  report.times.push_back(total.front());
+  return report;
+}
+
+Features SlamSystem::extract(const RgbdFrame& frame, FrameReport& report) {
+  report.requested = judge_.budget();
+  StageTimer timer(report.times, "features");
+  return with_geometry(extractor_.extract(frame.grey, report.requested), camera_, frame.depth_m);
+}
+
+Result<Detections> SlamSystem::join_detections(FrameReport& report) {
+  if (!detector_) return Detections{};
+  StageTimes waited;
+  StageTimer timer(waited, "wait_for_detector");
+  DetectorRunner::Answer answer = detector_->join();
+  timer.stop();
+  report.times.push_back(waited.front());
+  report.times.push_back(answer.time);
+  return std::move(answer.detections);
+}
+
+void SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
+  TrackedFrame tracked;
+  tracked.index = frame.index;
+  tracked.stamp = frame.stamp;
+  tracked.observations = report.observations;
+  {
+    StageTimer timer(report.times, "grid");
+    tracked.grid = std::make_shared<const KeypointGrid>(report.observations->features, camera_);
+  }
+  report.track = tracker_.track(std::move(tracked), *mapping_->atlas(), mapping_->idle());
+  auto& times = report.track.times;
+  report.times.insert(report.times.end(), times.begin(), times.end());
+  report.points = report.track.points;
+  std::optional<KeyFrameCandidate> candidate = std::exchange(report.track.candidate, {});
+  if (candidate) {
+    StageTimer timer(report.times, "submit_keyframe");
+    report.keyframe = submit(std::move(*candidate));
+  }
+  if (report.track.state != TrackingState::tracking) return;
+  // The frame that starts a map is its first keyframe, which exists only now.
+  if (!report.track.reference.valid()) report.track.reference = atlas()->newest_keyframe();
+  trajectory_.push_back({frame.stamp, report.track.reference, report.track.T_reference_camera});
+}
+
+bool SlamSystem::submit(KeyFrameCandidate candidate) {
+  return mapping_->submit(std::move(candidate));
+}
+
+void SlamSystem::finish() { mapping_->finish(); }
+
+StampedPoses SlamSystem::trajectory() const {
+  const auto map = atlas();
+  StampedPoses poses;
+  poses.reserve(trajectory_.size());
+  for (const TrajectoryEntry& entry : trajectory_) {
+    const std::optional<SE3> T_world_reference = map->T_world_keyframe(entry.reference);
+    if (T_world_reference) {
+      poses.push_back({entry.stamp, *T_world_reference * entry.T_reference_camera});
+    }
+  }
+  return poses;
+}
+
+StampedPoses SlamSystem::keyframe_trajectory() const {
+  StampedPoses poses;
+  atlas()->keyframes().for_each([&](KeyFrameId, const KeyFrame& keyframe) {
+    poses.push_back({keyframe.stamp, keyframe.T_world_camera});
+  });
+  std::sort(poses.begin(), poses.end(),
+            [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+  return poses;
+}
+
+}  // namespace ydd

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ydd/dynamics/dynamics_options.h"
+#include "ydd/features/orb_extractor.h"
+#include "ydd/mapping/mapper.h"
+#include "ydd/tracking/tracker.h"
+
+namespace ydd {
+
+/// Every setting of the system: one file, one table, saved with each run.
+struct SystemOptions {
+  OrbOptions orb;
+  DynamicsOptions dynamics;
+  TrackerOptions tracking;
+  MapperOptions mapping;
+  bool deterministic = false;
+
+  void describe(OptionTable& table);
+};
+
+}  // namespace ydd

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/tracking/keyframe_policy.h"
+
+namespace ydd {
+
+void KeyframePolicyOptions::describe(OptionTable& t) {
+  t.add("max_interval", max_interval_s, {0.0, 60.0}, "s", "a keyframe is considered after this");
+  t.add("reference_ratio", reference_ratio, {0.0, 1.0}, "",
+        "insert below this share of the reference keyframe's points");
+  t.add("weak_ratio", weak_ratio, {0.0, 1.0}, "", "insert at once below this share");
+  t.add("min_close_tracked", min_close_tracked, {0, 10000}, "",
+        "fewer tracked near points make the map need more");
+  t.add("min_close_untracked", min_close_untracked, {0, 10000}, "",
+        "if at least so many near points could be added");
+  t.add("min_inliers", min_inliers, {0, 10000}, "", "never insert with fewer tracked points");
+}
+
+bool needs_keyframe(const KeyframeSituation& s, const KeyframePolicyOptions& o) {
+  if (s.inliers < o.min_inliers) return false;
+  const bool needs_close =
+      s.close_tracked < o.min_close_tracked && s.close_untracked > o.min_close_untracked;
+  // The first keyframe's points are fresh and unproven: a second view must come early.
+  const double ratio = s.keyframes < 2 ? 0.4 : o.reference_ratio;
+  const bool view_changed = s.inliers < ratio * s.reference_points || needs_close;
+  const bool weak = s.inliers < o.weak_ratio * s.reference_points || needs_close;
+  const bool due = s.since_keyframe_s >= o.max_interval_s || s.mapper_idle || weak;
+  return view_changed && due;
+}
+
+}  // namespace ydd

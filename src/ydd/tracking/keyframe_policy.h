@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ydd/base/options.h"
+
+namespace ydd {
+
+struct KeyframePolicyOptions {
+  double max_interval_s = 1.0;
+  double reference_ratio = 0.75;
+  double weak_ratio = 0.25;
+  int min_close_tracked = 100;
+  int min_close_untracked = 70;
+  int min_inliers = 15;
+  void describe(OptionTable& table);
+};
+
+/// What the tracker knows when it asks whether this frame should be kept.
+struct KeyframeSituation {
+  double since_keyframe_s = 0;  ///< time since the last keyframe was submitted
+  int inliers = 0;              ///< map points matched in this frame
+  int reference_points = 0;     ///< well-observed points of the reference keyframe
+  int close_tracked = 0;        ///< keypoints with near depth that show a map point
+  int close_untracked = 0;      ///< keypoints with near depth that do not
+  int keyframes = 0;            ///< in the map
+  bool mapper_idle = true;      ///< nothing waits in front of the mapper
+};
+
+/// True when the map would gain from this frame: the view has changed (few of the reference
+/// keyframe's points are left), near points are unmapped, or a second has passed and the mapper has
+/// nothing to do. After Mur-Artal and Tardos, "ORB-SLAM2", IEEE T-RO 2017, section III-E.
+bool needs_keyframe(const KeyframeSituation& situation, const KeyframePolicyOptions& options);
+
+}  // namespace ydd

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ydd/optimization/pose_only.h"
+#include "ydd/tracking/tracked_frame.h"
+
+namespace ydd {
+
+/// Pose optimisation over matches: gathers, solves, and keeps the matches that agree.
+struct PoseFromMatches {
+  SE3 T_camera_world;
+  std::vector<PointMatch> inliers;
+  Matrix6d information = Matrix6d::Zero();
+};
+PoseFromMatches pose_from_matches(const Camera& camera, const PyramidScales& scales,
+                                  const Features& features, const SE3& T_camera_world_initial,
+                                  const std::vector<PointMatch>& matches,
+                                  const PoseOnlyOptions& options);
+
+}  // namespace ydd

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/tracking/relocalization.h"
+
+#include <opencv2/calib3d.hpp>
+
+#include "ydd/tracking/pose_from_matches.h"
+
+namespace ydd {
+namespace {
+
+constexpr int kNeighbourhood = 30;        // keyframes around the recognised one
+constexpr double kGuidedRadius_px = 3.0;  // the pose is rough before the guided search
+
+/// PnP in RANSAC over matches; nothing when no consensus of four is found.
+std::optional<SE3> pnp_ransac(const Camera& camera, const Features& features,
+                              const std::vector<PointMatch>& matches,
+                              const RelocalizationOptions& options) {
+  std::vector<cv::Point3d> points;
+  std::vector<cv::Point2d> pixels;
+  for (const PointMatch& m : matches) {
+    const Eigen::Vector2f& px = features.undistorted_px[static_cast<std::size_t>(m.keypoint)];
+    points.emplace_back(m.p_world.x(), m.p_world.y(), m.p_world.z());
+    pixels.emplace_back(px.x(), px.y());
+  }
+  const cv::Matx33d intrinsics(camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0,
+                               1);
+  cv::Vec3d rotation;
+  cv::Vec3d translation;
+  std::vector<int> inliers;
+  cv::setRNGSeed(options.seed);
+  const bool found =
+      cv::solvePnPRansac(points, pixels, intrinsics, cv::noArray(), rotation, translation, false,
+                         options.ransac_iterations, static_cast<float>(options.ransac_threshold_px),
+                         0.99, inliers, cv::SOLVEPNP_AP3P);
+  if (!found || inliers.size() < 4) return std::nullopt;
+  return SE3(so3_exp({rotation[0], rotation[1], rotation[2]}),
+             {translation[0], translation[1], translation[2]});
+}
+
+void append_search(const LocalSearch& search, std::vector<PointMatch>& matches) {
+  matches.insert(matches.end(), search.matches.begin(), search.matches.end());
+}
+
+std::optional<Relocalization> try_keyframe(const Atlas& atlas, TrackedFrame frame, KeyFrameId id,
+                                           const RelocalizationOptions& options,
+                                           const PoseOnlyOptions& pose_options,
+                                           const MatchLimits& limits) {
+  const Features& features = frame.features();
+  const auto optimise = [&](const SE3& start, const std::vector<PointMatch>& matches) {
+    return pose_from_matches(atlas.camera(), atlas.scales(), features, start, matches,
+                             pose_options);
+  };
+  const auto matches = match_keyframe(atlas, id, frame, options.match_ratio, limits);
+  if (static_cast<int>(matches.size()) < options.min_matches) return std::nullopt;
+  const auto rough = pnp_ransac(atlas.camera(), features, matches, options);
+  if (!rough) return std::nullopt;
+  PoseFromMatches pose = optimise(*rough, matches);
+  if (static_cast<int>(pose.inliers.size()) < options.min_matches / 2) return std::nullopt;
+  // Guided search: the rough pose brings the neighbourhood's points into view.
+  std::vector<MapPointId> seeds;
+  for (const PointMatch& m : pose.inliers) {
+    frame.points[static_cast<std::size_t>(m.keypoint)] = m.point;
+    seeds.push_back(m.point);
+  }
+  frame.T_camera_world = pose.T_camera_world;
+  const LocalMap local = gather_local_map(atlas, seeds, id, kNeighbourhood);
+  std::vector<PointMatch> all = pose.inliers;
+  append_search(search_local_map(atlas, local, frame, kGuidedRadius_px, limits), all);
+  pose = optimise(pose.T_camera_world, all);
+  if (static_cast<int>(pose.inliers.size()) < options.min_inliers) return std::nullopt;
+  return Relocalization{pose.T_camera_world, std::move(pose.inliers), id};
+}
+
+}  // namespace
+
+void RelocalizationOptions::describe(OptionTable& t) {
+  t.add("match_ratio", match_ratio, {0.1, 1.0}, "", "best to second best descriptor distance");
+  t.add("min_matches", min_matches, {4, 10000}, "", "descriptor matches needed to try a keyframe");
+  t.add("ransac_iterations", ransac_iterations, {1, 100000}, "", "samples drawn at most");
+  t.add("ransac_threshold", ransac_threshold_px, {0.1, 100.0}, "px", "inlier distance");
+  t.add("min_inliers", min_inliers, {4, 10000}, "", "points that must agree in the end");
+  t.add("seed", seed, {0, 2147483647}, "", "seed of the sampling");
+}
+
+std::optional<Relocalization> relocalize(const Atlas& atlas, const TrackedFrame& frame,
+                                         std::span<const KeyFrameId> candidates,
+                                         const RelocalizationOptions& options,
+                                         const PoseOnlyOptions& pose_options,
+                                         const MatchLimits& limits) {
+  for (const KeyFrameId id : candidates) {
+    if (!atlas.find(id)) continue;
+    auto found = try_keyframe(atlas, frame, id, options, pose_options, limits);
+    if (found) return found;
+  }
+  return std::nullopt;
+}
+
+}  // namespace ydd

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "ydd/map/local_map.h"
+
+namespace ydd {
+
+/// One frame as the tracker works on it: what was seen, where the camera is believed to be, and
+/// which map point each keypoint shows.
+struct TrackedFrame {
+  std::int64_t index = 0;
+  Timestamp stamp;
+  std::shared_ptr<const Observations> observations;
+  std::shared_ptr<const KeypointGrid> grid;
+  SE3 T_camera_world;
+  std::vector<MapPointId> points;  ///< per keypoint; empty id: none
+
+  const Features& features() const { return observations->features; }
+};
+
+/// A point in the world that the frame might see, and how it was matched.
+struct PointMatch {
+  int keypoint = 0;         ///< of the frame
+  Eigen::Vector3d p_world;  ///< metres
+  MapPointId point;         ///< empty for a point made from the last frame's depth alone
+  int distance = 0;         ///< Hamming
+  int source = 0;           ///< keypoint of the last frame or keyframe, or local point
+};
+
+}  // namespace ydd

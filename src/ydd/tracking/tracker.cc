@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/tracking/tracker.h"
+
+#include <algorithm>
+
+#include "ydd/base/log.h"
+
+namespace ydd {
+namespace {
+
+constexpr int kRelocalizationCandidates = 8;
+constexpr int kProvenSightings = 2;  // a point seen from two keyframes counts for the policy
+
+void assign(const PoseFromMatches& pose, TrackedFrame& frame) {
+  frame.T_camera_world = pose.T_camera_world;
+  for (const PointMatch& m : pose.inliers) {
+    frame.points[static_cast<std::size_t>(m.keypoint)] = m.point;
+  }
+}
+
+/// The map's newest keyframe and those around it, best first.
+std::vector<KeyFrameId> recent_keyframes(const Atlas& atlas, KeyFrameId reference) {
+  std::vector<KeyFrameId> out;
+  const auto add = [&](KeyFrameId id) {
+    if (atlas.find(id) && std::find(out.begin(), out.end(), id) == out.end()) out.push_back(id);
+  };
+  add(reference);
+  add(atlas.newest_keyframe());
+  if (const KeyFrame* keyframe = atlas.find(reference)) {
+    for (const Covisible& c : keyframe->covisible) {
+      if (out.size() >= kRelocalizationCandidates) break;
+      add(c.keyframe);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string_view to_string(TrackingState state) {
+  switch (state) {
+    case TrackingState::initializing:
+      return "initializing";
+    case TrackingState::tracking:
+      return "tracking";
+    case TrackingState::lost:
+      return "lost";
+  }
+  return "";
+}
+
+void TrackerOptions::describe(OptionTable& t) {
+  t.group("match", match);
+  t.group("pose", pose);
+  t.group("keyframe", keyframe);
+  t.group("relocalization", relocalization);
+  t.add("min_initial_points", min_initial_points, {10, 10000}, "",
+        "keypoints with depth needed to start a map");
+  t.add("motion_radius", motion_radius_px, {1.0, 200.0}, "px",
+        "search radius around the last frame's points on octave 0");
+  t.add("local_radius_factor", local_radius_factor, {0.5, 20.0}, "",
+        "widens the search radius around the local map's points");
+  t.add("min_motion_matches", min_motion_matches, {3, 1000}, "",
+        "below this the motion search is repeated with twice the radius");
+  t.add("min_motion_inliers", min_motion_inliers, {3, 1000}, "",
+        "points that must agree with the first pose estimate");
+  t.add("min_local_inliers", min_local_inliers, {3, 1000}, "",
+        "map points that must agree with the final pose, else tracking is lost");
+  t.add("max_local_keyframes", max_local_keyframes, {1, 1000}, "", "keyframes in the local map");
+  t.add("close_depth", close_depth_m, {0.1, 100.0}, "m",
+        "nearer depth readings become points at once");
+}
+
+Tracker::Tracker(const TrackerOptions& options) : options_(options) {}
+
+TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_idle) {
+  frame.points.assign(frame.features().size(), MapPointId{});
+  if (state_ == TrackingState::initializing && !adopt_first_keyframe(atlas)) {
+    return initialize(std::move(frame));
+  }
+  refresh_last_frame(atlas);
+  TrackResult result;
+  StageTimer initial_timer(result.times, "initial_pose");
+  const std::optional<PoseFromMatches> pose = initial_pose(frame, atlas);
+  initial_timer.stop();
+  if (!pose) return finish_lost(std::move(result));
+  result.motion_inliers = static_cast<int>(pose->inliers.size());
+  assign(*pose, frame);
+  StageTimer local_timer(result.times, "local_map");
+  const bool tracked = track_local_map(atlas, frame, result);
+  local_timer.stop();
+  if (!tracked) return finish_lost(std::move(result));
+  return finish_tracked(std::move(frame), atlas, std::move(result), mapper_idle);
+}
+
+TrackResult Tracker::initialize(TrackedFrame frame) {
+  TrackResult result;
+  const Features& f = frame.features();
+  const auto with_depth =
+      std::count_if(f.depth_m.begin(), f.depth_m.end(), [](float depth_m) { return depth_m > 0; });
+  if (with_depth < options_.min_initial_points) return result;
+  frame.T_camera_world = SE3();
+  last_ = frame;
+  last_candidate_stamp_ = frame.stamp;
+  result.state = TrackingState::tracking;
+  result.points = frame.points;
+  result.candidate = KeyFrameCandidate{std::move(frame), {}, {}, {}};
+  return result;
+}
+
+bool Tracker::adopt_first_keyframe(const Atlas& atlas) {
+  const KeyFrameId id = atlas.newest_keyframe();
+  if (!last_ || !id.valid()) return false;
+  last_reference_ = id;
+  T_reference_last_ = SE3();
+  state_ = TrackingState::tracking;
+  log::info("frame {}: map started with {} keypoints", last_->index, last_->features().size());
+  return true;
+}
+
+void Tracker::refresh_last_frame(const Atlas& atlas) {
+  // The mapper may have moved the reference, merged points, or made a keyframe of the last frame.
+  const KeyFrameId newest = atlas.newest_keyframe();
+  const KeyFrame& keyframe = atlas.at(newest);
+  if (keyframe.frame_index == last_->index) {
+    last_->points = keyframe.points;
+    last_reference_ = newest;
+    T_reference_last_ = SE3();
+  }
+  if (const std::optional<SE3> T_world_reference = atlas.T_world_keyframe(last_reference_)) {
+    last_->T_camera_world = (*T_world_reference * T_reference_last_).inverse();
+  }
+}
+
+std::optional<PoseFromMatches> Tracker::initial_pose(const TrackedFrame& frame,
+                                                     const Atlas& atlas) const {
+  if (state_ == TrackingState::lost) return pose_by_relocalization(frame, atlas);
+  if (auto pose = pose_by_motion(frame, atlas)) return pose;
+  if (auto pose = pose_by_reference(frame, atlas)) return pose;
+  return pose_by_relocalization(frame, atlas);
+}
+
+std::optional<PoseFromMatches> Tracker::pose_by_motion(const TrackedFrame& frame,
+                                                       const Atlas& atlas) const {
+  TrackedFrame predicted = frame;
+  predicted.T_camera_world = T_camera_last_.value_or(SE3()) * last_->T_camera_world;
+  const auto search = [&](double radius_px) {
+    return search_last_frame(atlas, *last_, predicted, radius_px, options_.close_depth_m,
+                             options_.match);
+  };
+  std::vector<PointMatch> matches = search(options_.motion_radius_px);
+  if (static_cast<int>(matches.size()) < options_.min_motion_matches) {
+    matches = search(2.0 * options_.motion_radius_px);
+  }
+  if (static_cast<int>(matches.size()) < options_.min_motion_inliers) return std::nullopt;
+  PoseFromMatches pose = pose_from_matches(atlas.camera(), atlas.scales(), frame.features(),
+                                           predicted.T_camera_world, matches, options_.pose);
+  if (static_cast<int>(pose.inliers.size()) < options_.min_motion_inliers) return std::nullopt;
+  return pose;
+}
+
+std::optional<PoseFromMatches> Tracker::pose_by_reference(const TrackedFrame& frame,
+                                                          const Atlas& atlas) const {
+  if (!atlas.find(last_reference_)) return std::nullopt;
+  const std::vector<PointMatch> matches =
+      match_keyframe(atlas, last_reference_, frame, 0.7, options_.match);
+  if (static_cast<int>(matches.size()) < options_.min_motion_matches) return std::nullopt;
+  PoseFromMatches pose = pose_from_matches(atlas.camera(), atlas.scales(), frame.features(),
+                                           last_->T_camera_world, matches, options_.pose);
+  if (static_cast<int>(pose.inliers.size()) < options_.min_motion_inliers) return std::nullopt;
+  return pose;
+}
+
+std::optional<PoseFromMatches> Tracker::pose_by_relocalization(const TrackedFrame& frame,
+                                                               const Atlas& atlas) const {
+  const auto found = relocalize(atlas, frame, recent_keyframes(atlas, last_reference_),
+                                options_.relocalization, options_.pose, options_.match);
+  if (!found) return std::nullopt;
+  return PoseFromMatches{found->T_camera_world, found->inliers, Matrix6d::Zero()};
+}
+
+bool Tracker::track_local_map(const Atlas& atlas, TrackedFrame& frame, TrackResult& result) {
+  std::vector<MapPointId> seen;
+  for (const MapPointId id : frame.points) {
+    if (id.valid()) seen.push_back(id);
+  }
+  const LocalMap local =
+      gather_local_map(atlas, seen, last_reference_, options_.max_local_keyframes);
+  result.local_points = static_cast<int>(local.points.size());
+  const LocalSearch search =
+      search_local_map(atlas, local, frame, options_.local_radius_factor, options_.match);
+  std::vector<PointMatch> matches = search.matches;
+  for (std::size_t i = 0; i < frame.points.size(); ++i) {
+    if (const MapPoint* point = atlas.find(frame.points[i])) {
+      matches.push_back({static_cast<int>(i), point->p_world, frame.points[i], 0, 0});
+    }
+  }
+  const PoseFromMatches pose = pose_from_matches(atlas.camera(), atlas.scales(), frame.features(),
+                                                 frame.T_camera_world, matches, options_.pose);
+  result.inliers = static_cast<int>(pose.inliers.size());
+  if (result.inliers < options_.min_local_inliers) return false;
+  frame.points.assign(frame.points.size(), MapPointId{});
+  assign(pose, frame);
+  count_views(local, search, frame);
+  set_pose(atlas, frame, local, result);
+  return true;
+}
+
+void Tracker::count_views(const LocalMap& local, const LocalSearch& search,
+                          const TrackedFrame& frame) {
+  const auto entry = [&](MapPointId id) -> Views& {
+    if (views_.size() <= id.slot) views_.resize(id.slot + 1);
+    Views& views = views_[id.slot];
+    if (views.generation != id.generation) views = {id.generation, 0, 0};
+    return views;
+  };
+  for (const int i : search.visible) {
+    ++entry(local.points[static_cast<std::size_t>(i)].id).visible;
+  }
+  for (const MapPointId id : frame.points) {
+    if (!id.valid()) continue;
+    ++entry(id).visible;
+    ++entry(id).found;
+  }
+  for (const PointMatch& m : search.matches) {  // found ones were counted twice
+    if (frame.points[static_cast<std::size_t>(m.keypoint)] == m.point) --entry(m.point).visible;
+  }
+}
+
+std::vector<PointViews> Tracker::take_views() {
+  std::vector<PointViews> out;
+  for (std::uint32_t slot = 0; slot < views_.size(); ++slot) {
+    const Views& v = views_[slot];
+    if (v.visible > 0 || v.found > 0) out.push_back({{slot, v.generation}, v.visible, v.found});
+  }
+  views_.clear();
+  return out;
+}
+
+void Tracker::set_pose(const Atlas& atlas, TrackedFrame& frame, const LocalMap& local,
+                       TrackResult& result) {
+  result.reference = most_shared_keyframe(atlas, frame.points);
+  if (!result.reference.valid()) result.reference = local.reference;
+  result.T_world_camera = frame.T_camera_world.inverse();
+  result.T_reference_camera =
+      atlas.at(result.reference).T_world_camera.inverse() * result.T_world_camera;
+}
+
+KeyframeSituation Tracker::situation(const Atlas& atlas, const TrackedFrame& frame,
+                                     const TrackResult& result, bool mapper_idle) const {
+  KeyframeSituation s;
+  s.since_keyframe_s = seconds_between(last_candidate_stamp_, frame.stamp);
+  s.inliers = result.inliers;
+  for (const MapPointId id : atlas.at(result.reference).points) {
+    const MapPoint* point = atlas.find(id);
+    if (point && static_cast<int>(point->sightings.size()) >= kProvenSightings) {
+      ++s.reference_points;
+    }
+  }
+  for (std::size_t i = 0; i < frame.points.size(); ++i) {
+    const float depth_m = frame.features().depth_m[i];
+    if (depth_m <= 0 || depth_m > options_.close_depth_m) continue;
+    ++(frame.points[i].valid() ? s.close_tracked : s.close_untracked);
+  }
+  s.keyframes = static_cast<int>(atlas.keyframes().size());
+  s.mapper_idle = mapper_idle;
+  return s;
+}
+
+TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
+                                    bool mapper_idle) {
+  if (state_ == TrackingState::lost) log::info("frame {}: tracking again", frame.index);
+  const bool consecutive = state_ == TrackingState::tracking;
+  T_camera_last_ = consecutive
+                       ? std::optional(frame.T_camera_world * last_->T_camera_world.inverse())
+                       : std::nullopt;
+  state_ = result.state = TrackingState::tracking;
+  last_reference_ = result.reference;
+  T_reference_last_ = result.T_reference_camera;
+  result.points = frame.points;
+  StageTimer timer(result.times, "keyframe_decision");
+  if (needs_keyframe(situation(atlas, frame, result, mapper_idle), options_.keyframe)) {
+    last_candidate_stamp_ = frame.stamp;
+    result.candidate =
+        KeyFrameCandidate{frame, result.reference, result.T_reference_camera, take_views()};
+  }
+  last_ = std::move(frame);
+  timer.stop();
+  return result;
+}
+
+TrackResult Tracker::finish_lost(TrackResult result) {
+  if (state_ == TrackingState::tracking) {
+    log::warning("frame {}: tracking lost ({} points agree)", last_->index + 1, result.inliers);
+  }
+  state_ = result.state = TrackingState::lost;
+  T_camera_last_.reset();
+  return result;
+}
+
+}  // namespace ydd

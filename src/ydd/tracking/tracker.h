@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "ydd/base/timing.h"
+#include "ydd/tracking/keyframe_policy.h"
+#include "ydd/tracking/pose_from_matches.h"
+#include "ydd/tracking/relocalization.h"
+
+namespace ydd {
+
+enum class TrackingState {
+  initializing,  ///< no map yet
+  tracking,
+  lost,  ///< the map exists, the camera's place in it is unknown
+};
+std::string_view to_string(TrackingState state);
+
+struct TrackerOptions {
+  MatchLimits match;
+  PoseOnlyOptions pose;
+  KeyframePolicyOptions keyframe;
+  RelocalizationOptions relocalization;
+  int min_initial_points = 50;
+  double motion_radius_px = 15.0;
+  double local_radius_factor = 3.0;
+  int min_motion_matches = 20;
+  int min_motion_inliers = 10;
+  int min_local_inliers = 20;
+  int max_local_keyframes = 80;
+  double close_depth_m = 3.0;
+  void describe(OptionTable& table);
+};
+
+/// How often points should have been seen and were, since the last candidate.
+struct PointViews {
+  MapPointId point;
+  int visible = 0;
+  int found = 0;
+};
+
+/// A frame that the map should keep: everything the mapper needs, by value.
+struct KeyFrameCandidate {
+  TrackedFrame frame;
+  KeyFrameId reference;    ///< empty: it starts a new map
+  SE3 T_reference_camera;  ///< the pose to keep if the reference has moved meanwhile
+  std::vector<PointViews> views;
+};
+
+struct TrackResult {
+  TrackingState state = TrackingState::initializing;
+  SE3 T_world_camera;    ///< valid when tracking
+  KeyFrameId reference;  ///< valid when tracking, except for the frame that starts a map
+  SE3 T_reference_camera;
+  int motion_inliers = 0;          ///< points that agree with the first pose estimate
+  int inliers = 0;                 ///< map points that agree with the final pose
+  int local_points = 0;            ///< size of the local map
+  std::vector<MapPointId> points;  ///< per keypoint of the frame
+  std::optional<KeyFrameCandidate> candidate;
+  StageTimes times;
+};
+
+/// Follows the camera from frame to frame against the newest map.
+///
+/// One frame: predict the pose -> find the last frame's points near it -> pose -> find the local
+/// map's points -> pose -> decide whether to keep the frame. Owns nothing of the map: it reads the
+/// atlas it is given and proposes keyframes by value.
+/// Thread: one. Deterministic.
+class Tracker {
+ public:
+  explicit Tracker(const TrackerOptions& options);
+
+  /// `frame` comes without pose and points. `atlas` is the newest published one. `mapper_idle`
+  /// tells that no candidate waits.
+  TrackResult track(TrackedFrame frame, const Atlas& atlas, bool mapper_idle);
+
+  TrackingState state() const { return state_; }
+
+ private:
+  struct Views {
+    std::uint32_t generation = 0;
+    int visible = 0;
+    int found = 0;
+  };
+
+  TrackResult initialize(TrackedFrame frame);
+  bool adopt_first_keyframe(const Atlas& atlas);
+  void refresh_last_frame(const Atlas& atlas);
+  std::optional<PoseFromMatches> initial_pose(const TrackedFrame& frame, const Atlas& atlas) const;
+  std::optional<PoseFromMatches> pose_by_motion(const TrackedFrame& frame,
+                                                const Atlas& atlas) const;
+  std::optional<PoseFromMatches> pose_by_reference(const TrackedFrame& frame,
+                                                   const Atlas& atlas) const;
+  std::optional<PoseFromMatches> pose_by_relocalization(const TrackedFrame& frame,
+                                                        const Atlas& atlas) const;
+  bool track_local_map(const Atlas& atlas, TrackedFrame& frame, TrackResult& result);
+  void count_views(const LocalMap& local, const LocalSearch& search, const TrackedFrame& frame);
+  std::vector<PointViews> take_views();
+  void set_pose(const Atlas& atlas, TrackedFrame& frame, const LocalMap& local,
+                TrackResult& result);
+  KeyframeSituation situation(const Atlas& atlas, const TrackedFrame& frame,
+                              const TrackResult& result, bool mapper_idle) const;
+  TrackResult finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
+                             bool mapper_idle);
+  TrackResult finish_lost(TrackResult result);
+
+  TrackerOptions options_;
+  TrackingState state_ = TrackingState::initializing;
+  std::optional<TrackedFrame> last_;  ///< the last frame with a pose
+  KeyFrameId last_reference_;
+  SE3 T_reference_last_;
+  std::optional<SE3> T_camera_last_;  ///< velocity: motion over the last frame interval
+  Timestamp last_candidate_stamp_;
+  std::vector<Views> views_;  ///< by slot of the point
+};
+
+}  // namespace ydd
