@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <map>
+#include <memory>
+
+#include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
+
+#include "commands.h"
+#include "progress.h"
+#include "ydd/base/timing.h"
+#include "ydd/dataset/tum_sequence.h"
+#include "ydd/detection/detector_config.h"
+#include "ydd/detection/draw.h"
+#include "ydd/detection/recorded_detections.h"
+#include "ydd/image/decode.h"
+
+namespace ydd::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DetectRequest {
+  std::string sequence;
+  std::string detector;
+  std::vector<std::string> set;
+  std::string out;
+  std::string pictures;
+  std::string objects;
+  SequenceOptions sequence_options;
+  int every = 1;
+  int frames = 0;   ///< 0: all
+  int threads = 0;  ///< 0: as the library likes
+  bool quiet = false;
+};
+
+/// What a detector saw in a sequence.
+struct DetectRun {
+  std::vector<RecordedFrame> frames;
+  std::map<std::string, int> count_by_class;
+  std::vector<double> detect_ms;
+};
+
+/// The colour picture alone: networks look at nothing else, and no camera is needed for it.
+Result<RgbdFrame> read_picture(const Sequence& sequence, std::size_t index) {
+  const SequenceEntry& entry = sequence.entry(index);
+  Result<ColourImage> colour = load_colour(entry.colour_file);
+  if (!colour) return colour.error();
+  RgbdFrame frame;
+  frame.index = static_cast<std::int64_t>(index);
+  frame.stamp = entry.stamp;
+  frame.colour = *colour;
+  return frame;
+}
+
+RecordedFrame record(const RgbdFrame& frame, const fs::path& file, Detections detections) {
+  RecordedFrame out;
+  out.stamp = frame.stamp;
+  out.index = frame.index;
+  out.file = file.generic_string();
+  for (Detection& d : detections) {
+    RecordedDetection recorded;
+    recorded.detection = std::move(d);
+    out.detections.push_back(std::move(recorded));
+  }
+  return out;
+}
+
+Result<void> write_picture(const std::string& folder, const RgbdFrame& frame,
+                           const Detections& detections, const ObjectCatalogue& catalogue) {
+  if (folder.empty()) return {};
+  return write_png(fs::path(folder) / fmt::format("{:06}.png", frame.index),
+                   draw_detections(frame.colour, detections, catalogue));
+}
+
+Result<DetectRun> detect_all(const Sequence& sequence, const DetectRequest& request,
+                             Detector& detector, const ObjectCatalogue& catalogue) {
+  const std::size_t end = request.frames > 0
+                              ? std::min(sequence.size(), static_cast<std::size_t>(request.frames))
+                              : sequence.size();
+  DetectRun run;
+  Progress progress(sequence.name(), end, request.quiet);
+  for (std::size_t i = 0; i < end; i += static_cast<std::size_t>(request.every)) {
+    const Result<RgbdFrame> frame = read_picture(sequence, i);
+    if (!frame) return frame.error();
+    const std::int64_t start_ns = wall_clock_ns();
+    Result<Detections> found = detector.detect(*frame);
+    if (!found) return Error{fmt::format("{}: {}", request.detector, found.error().message)};
+    run.detect_ms.push_back(static_cast<double>(wall_clock_ns() - start_ns) * 1e-6);
+    for (const Detection& d : *found) ++run.count_by_class[d.class_name];
+    if (auto written = write_picture(request.pictures, *frame, *found, catalogue); !written) {
+      return written.error();
+    }
+    progress.update(i + 1,
+                    fmt::format("{} objects  {:.0f} ms", found->size(), run.detect_ms.back()));
+    run.frames.push_back(record(
+        *frame, fs::relative(sequence.entry(i).colour_file, sequence.folder()), std::move(*found)));
+  }
+  return run;
+}
+
+Result<void> make_folder(const std::string& folder) {
+  if (folder.empty()) return {};
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure) return Error{fmt::format("{}: cannot be created: {}", folder, failure.message())};
+  return {};
+}
+
+void print_summary(const DetectRun& run, const DetectRequest& request) {
+  const SeriesStatistics ms = statistics_of(run.detect_ms);
+  fmt::print("{} frames, {:.1f} ms each (median; 95 %: {:.1f})\n", run.frames.size(), ms.median,
+             ms.p95);
+  for (const auto& [name, count] : run.count_by_class) fmt::print("  {:<20} {}\n", name, count);
+  fmt::print("detections in {}\n", request.out);
+  if (!request.pictures.empty()) fmt::print("pictures in {}\n", request.pictures);
+}
+
+Result<void> detect_sequence(const DetectRequest& request) {
+  const Result<Sequence> sequence = Sequence::open(request.sequence, request.sequence_options);
+  if (!sequence) return sequence.error();
+  const Result<ObjectCatalogue> catalogue = request.objects.empty()
+                                                ? ObjectCatalogue::defaults()
+                                                : ObjectCatalogue::load(request.objects);
+  if (!catalogue) return catalogue.error();
+  if (request.threads > 0) cv::setNumThreads(request.threads);
+  const auto detector = make_detector(request.detector, request.set, *catalogue);
+  if (!detector) return detector.error();
+  if (auto made = make_folder(request.pictures); !made) return made;
+  const Result<DetectRun> run = detect_all(*sequence, request, **detector, *catalogue);
+  if (!run) return run.error();
+  if (auto r = write_recorded_detections(request.out, run->frames); !r) return r;
+  print_summary(*run, request);
+  return {};
+}
+
+}  // namespace
+
+void add_detect_command(CLI::App& app, Job& job) {
+  auto request = std::make_shared<DetectRequest>();
+  auto* command =
+      app.add_subcommand("detect", "Write the objects that networks see, to be replayed");
+  command->add_option("sequence", request->sequence, "Folder in the TUM RGB-D layout")->required();
+  command->add_option("--detector", request->detector, "Detector file (configs/detector/*.yaml)")
+      ->required();
+  command->add_option("--out", request->out, "JSON lines to write")->required();
+  command
+      ->add_option("--set", request->set,
+                   "Set one option of the detector file: key=value; * is every network")
+      ->expected(1)
+      ->allow_extra_args(false);
+  command->add_option("--pictures", request->pictures, "Folder for pictures with the boxes drawn");
+  command->add_option("--objects", request->objects,
+                      "Object catalogue (default: built in), for colours");
+  command->add_option("--every", request->every, "Only every so many frames, for looking")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--frames", request->frames, "Stop after so many frames of the sequence")
+      ->check(CLI::Range(0, 1'000'000'000));
+  command->add_option("--threads", request->threads, "Threads of the networks")
+      ->check(CLI::Range(0, 256));
+  command->add_option("--associations", request->sequence_options.associations,
+                      "File that pairs colour and depth images");
+  command->add_option("--max-difference", request->sequence_options.max_difference_s,
+                      "Largest time between paired images in seconds");
+  command->add_flag("--quiet", request->quiet, "No progress");
+  command->footer(
+      "Models are looked for beside the detector file and in the folder YDD_MODELS.\n"
+      "Examples:\n"
+      "  ydd-slam detect office --detector configs/detector/coco_body_head_hand.yaml \\\n"
+      "    --out detections.jsonl --pictures seen\n"
+      "  ydd-slam detect office --detector configs/detector/coco_body_head_hand.yaml \\\n"
+      "    --set 'networks.*.input.width=320' --set 'networks.*.input.height=256' --out d.jsonl\n"
+      "  ydd-slam run office --detections detections.jsonl --dynamic full");
+  command->callback([request, &job] { job = [request] { return detect_sequence(*request); }; });
+}
+
+}  // namespace ydd::app
