@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/base/table.h"
+
+#include <map>
+#include <optional>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <type_traits>
+#include <unordered_set>
+
+#include <gtest/gtest.h>
+
+namespace ydd {
+namespace {
+
+struct AnimalTag;
+struct PlantTag;
+using Animals = Table<std::string, AnimalTag>;
+using AnimalId = Id<AnimalTag>;
+
+static_assert(!std::is_convertible_v<Id<AnimalTag>, Id<PlantTag>>, "ids of tags must not mix");
+static_assert(!std::is_copy_constructible_v<Animals>, "copies are taken by snapshot() only");
+
+TEST(Id, IsInvalidByDefault) {
+  EXPECT_FALSE(AnimalId().valid());
+  EXPECT_TRUE((AnimalId{0, 1}.valid()));
+}
+
+TEST(Id, OrdersBySlotThenGenerationAndHashes) {
+  EXPECT_LT((AnimalId{1, 9}), (AnimalId{2, 1}));
+  EXPECT_LT((AnimalId{1, 1}), (AnimalId{1, 2}));
+  EXPECT_EQ((AnimalId{3, 4}), (AnimalId{3, 4}));
+  const std::unordered_set<AnimalId> set{{1, 1}, {1, 2}, {2, 1}, {1, 1}};
+  EXPECT_EQ(set.size(), 3U);
+}
+
+TEST(Table, FindsWhatWasInserted) {
+  Animals animals;
+  const AnimalId cat = animals.insert("cat");
+  const AnimalId dog = animals.insert("dog");
+  EXPECT_EQ(animals.size(), 2U);
+  EXPECT_EQ(animals.at(cat), "cat");
+  ASSERT_NE(animals.find(dog), nullptr);
+  EXPECT_EQ(*animals.find(dog), "dog");
+  EXPECT_TRUE(animals.contains(dog));
+}
+
+TEST(Table, StaleAndEmptyIdsFindNothingAndThrowWhenUsed) {
+  Animals animals;
+  const AnimalId cat = animals.insert("cat");
+  animals.erase(cat);
+  EXPECT_TRUE(animals.empty());
+  for (const AnimalId id : {cat, AnimalId(), AnimalId{0, 7}, AnimalId{5000, 1}}) {
+    EXPECT_EQ(animals.find(id), nullptr);
+    EXPECT_THROW(animals.at(id), std::logic_error);
+    EXPECT_THROW(animals.edit(id), std::logic_error);
+    EXPECT_THROW(animals.erase(id), std::logic_error);
+  }
+}
+
+TEST(Table, AReusedSlotDoesNotAnswerToTheOldId) {
+  Animals animals;
+  const AnimalId cat = animals.insert("cat");
+  animals.erase(cat);
+  const AnimalId dog = animals.insert("dog");
+  EXPECT_EQ(dog.slot, cat.slot);
+  EXPECT_NE(dog.generation, cat.generation);
+  EXPECT_EQ(animals.find(cat), nullptr);
+  EXPECT_EQ(animals.at(dog), "dog");
+  EXPECT_EQ(animals.slots(), 1U);
+}
+
+TEST(Table, ReusesTheSlotFreedLast) {
+  Animals animals;
+  const AnimalId a = animals.insert("a");
+  const AnimalId b = animals.insert("b");
+  animals.insert("c");
+  animals.erase(a);
+  animals.erase(b);
+  EXPECT_EQ(animals.insert("d").slot, b.slot);
+  EXPECT_EQ(animals.insert("e").slot, a.slot);
+  EXPECT_EQ(animals.insert("f").slot, 3U);
+}
+
+TEST(Table, ASnapshotIsUntouchedByLaterEdits) {
+  Animals animals;
+  const AnimalId cat = animals.insert("cat");
+  const AnimalId dog = animals.insert("dog");
+  const Animals before = animals.snapshot();
+  animals.edit(cat) = "tiger";
+  animals.erase(dog);
+  const AnimalId owl = animals.insert("owl");  // takes the slot of dog
+
+  EXPECT_EQ(before.size(), 2U);
+  EXPECT_EQ(before.at(cat), "cat");
+  EXPECT_EQ(before.at(dog), "dog");
+  EXPECT_EQ(before.find(owl), nullptr);
+  EXPECT_EQ(animals.at(cat), "tiger");
+  EXPECT_EQ(animals.find(dog), nullptr);
+  EXPECT_EQ(animals.at(owl), "owl");
+}
+
+TEST(Table, EveryGenerationOfSnapshotsKeepsItsOwnState) {
+  Animals animals;
+  const AnimalId id = animals.insert("0");
+  std::vector<Animals> history;
+  for (int i = 1; i <= 5; ++i) {
+    history.push_back(animals.snapshot());
+    animals.edit(id) = std::to_string(i);
+    animals.edit(id) += "!";
+  }
+  EXPECT_EQ(history[0].at(id), "0");
+  for (int i = 1; i < 5; ++i) EXPECT_EQ(history[i].at(id), std::to_string(i) + "!");
+  EXPECT_EQ(animals.at(id), "5!");
+}
+
+TEST(Table, AnEditedSnapshotDoesNotReachBack) {
+  Animals animals;
+  const AnimalId cat = animals.insert("cat");
+  Animals copy = animals.snapshot();
+  copy.edit(cat) = "lion";
+  EXPECT_EQ(animals.at(cat), "cat");
+  animals.edit(cat) = "tiger";
+  EXPECT_EQ(copy.at(cat), "lion");
+  Animals copy_of_copy = copy.snapshot();
+  copy.edit(cat) = "lynx";
+  copy_of_copy.edit(cat) = "puma";
+  EXPECT_EQ(animals.at(cat), "tiger");
+  EXPECT_EQ(copy.at(cat), "lynx");
+  EXPECT_EQ(copy_of_copy.at(cat), "puma");
+}
+
+TEST(Table, UneditedValuesAreSharedWithTheSnapshot) {
+  Animals animals;
+  const AnimalId cat = animals.insert("cat");
+  const AnimalId dog = animals.insert("dog");
+  const Animals before = animals.snapshot();
+  animals.edit(cat) = "tiger";
+  EXPECT_NE(before.find(cat), animals.find(cat));
+  EXPECT_EQ(before.find(dog), animals.find(dog));
+}
+
+TEST(Table, EditsWithoutASnapshotDoNotClone) {
+  Animals animals;
+  const AnimalId cat = animals.insert("cat");
+  const std::string* const place = animals.find(cat);
+  animals.edit(cat) = "tiger";
+  EXPECT_EQ(animals.find(cat), place);
+  const Animals before = animals.snapshot();
+  animals.edit(cat) = "lion";
+  const std::string* const cloned = animals.find(cat);
+  EXPECT_NE(cloned, place);
+  animals.edit(cat) = "lynx";
+  EXPECT_EQ(animals.find(cat), cloned);
+}
+
+TEST(Table, VisitsInSlotOrderAcrossChunks) {
+  Table<int, AnimalTag> numbers;
+  std::vector<AnimalId> ids;
+  for (int i = 0; i < 200; ++i) ids.push_back(numbers.insert(i));
+  for (int i = 0; i < 200; i += 3) numbers.erase(ids[i]);
+  std::vector<int> seen;
+  numbers.for_each([&](AnimalId id, const int& value) {
+    EXPECT_EQ(numbers.at(id), value);
+    seen.push_back(value);
+  });
+  std::vector<int> expected;
+  for (int i = 0; i < 200; ++i) {
+    if (i % 3 != 0) expected.push_back(i);
+  }
+  EXPECT_EQ(seen, expected);
+  EXPECT_EQ(numbers.ids().size(), expected.size());
+  EXPECT_EQ(numbers.slots(), 200U);
+}
+
+TEST(Table, MovedTablesKeepTheirIds) {
+  Animals animals;
+  const AnimalId cat = animals.insert("cat");
+  const Animals moved = std::move(animals);
+  EXPECT_EQ(moved.at(cat), "cat");
+}
+
+/// The table against a plain map, with snapshots taken on the way.
+TEST(Table, AgreesWithAMapUnderRandomEdits) {
+  using Model = std::map<AnimalId, int>;
+  std::mt19937 random(11);
+  Table<int, AnimalTag> table;
+  Model model;
+  std::vector<std::pair<Table<int, AnimalTag>, Model>> history;
+  std::vector<AnimalId> known;
+  for (int step = 0; step < 4000; ++step) {
+    const auto action = random() % 10;
+    const AnimalId id = known.empty() ? AnimalId() : known[random() % known.size()];
+    if (action < 4) {
+      const AnimalId fresh = table.insert(step);
+      EXPECT_FALSE(model.contains(fresh));
+      model[fresh] = step;
+      known.push_back(fresh);
+    } else if (action < 7 && model.contains(id)) {
+      table.edit(id) = -step;
+      model[id] = -step;
+    } else if (action < 9 && model.contains(id)) {
+      table.erase(id);
+      model.erase(id);
+    } else if (step % 16 == 0) {
+      history.emplace_back(table.snapshot(), model);
+    }
+  }
+  history.emplace_back(table.snapshot(), model);
+  ASSERT_GT(history.size(), 5U);
+  for (const auto& [snapshot, expected] : history) {
+    EXPECT_EQ(snapshot.size(), expected.size());
+    for (const AnimalId id : known) {
+      const auto found = expected.find(id);
+      const int* value = snapshot.find(id);
+      ASSERT_EQ(value != nullptr, found != expected.end());
+      if (value) {
+        EXPECT_EQ(*value, found->second);
+      }
+    }
+  }
+}
+
+/// For the thread sanitizer: readers of a snapshot while the owner edits on.
+TEST(Table, SnapshotsCanBeReadWhileTheOwnerEdits) {
+  Table<int, AnimalTag> table;
+  std::vector<AnimalId> ids;
+  for (int i = 0; i < 300; ++i) ids.push_back(table.insert(i));
+  for (int round = 0; round < 20; ++round) {
+    auto snapshot = std::make_shared<const Table<int, AnimalTag>>(table.snapshot());
+    int first_sum = 0;
+    snapshot->for_each([&](AnimalId, int value) { first_sum += value; });
+    int second_sum = 0;
+    std::jthread reader([snapshot = std::move(snapshot), &second_sum] {
+      snapshot->for_each([&](AnimalId, int value) { second_sum += value; });
+    });
+    for (const AnimalId id : ids) table.edit(id) += 1;
+    reader.join();
+    EXPECT_EQ(first_sum, second_sum);
+  }
+}
+
+}  // namespace
+}  // namespace ydd
