@@ -44,6 +44,30 @@ void CompensationOptions::describe(OptionTable& table) {
   table.add("most_points", most_points, {50, 100000}, "", "points never exceeded by compensation");
 }
 
+void RefinementOptions::describe(OptionTable& table) {
+  table.add("enabled", enabled, "what goes beyond the article; false: exactly the article's rules");
+  table.add("own_heads", own_heads, "a head belongs to one person only when persons overlap");
+  table.add("entangled_by_head", entangled_by_head,
+            "an entangled person with a head of its own is judged by that head's depth");
+  table.add("any_hand", any_hand, "objects are moved by hands of overlapping persons too");
+  table.add("lone_parts", lone_parts, "a head or hand without a person is judged by itself");
+  table.add("surrounded", surrounded,
+            "a point without depth is rejected when the readings round it are on a moving thing");
+  table.add("surround_px", surround_px, {1, 100}, "px", "how far these readings are looked for");
+  table.add("surround_share", surround_share, {0, 1}, "",
+            "share of these readings that must lie on the moving thing");
+}
+
+RefinementOptions RefinementOptions::effective() const {
+  RefinementOptions result = *this;
+  if (enabled) return result;
+  for (bool* refinement : {&result.own_heads, &result.entangled_by_head, &result.any_hand,
+                           &result.lone_parts, &result.surrounded}) {
+    *refinement = false;
+  }
+  return result;
+}
+
 void DynamicsOptions::describe(OptionTable& table) {
   table.add("variant", variant, {"off", "box", "person", "full"},
             "what is rejected: nothing, person boxes, persons by depth, the whole method");
@@ -60,6 +84,7 @@ void DynamicsOptions::describe(OptionTable& table) {
   table.group("matching", matching);
   table.group("moved", moved);
   table.group("compensation", compensation);
+  table.group("refinement", refinement);
 }
 
 Variant DynamicsOptions::parsed_variant() const {

@@ -46,6 +46,21 @@ struct CompensationOptions {
   void describe(OptionTable& table);
 };
 
+/// What goes beyond the article; each can be switched off by itself (docs/method.md, section 10).
+struct RefinementOptions {
+  bool enabled = true;            ///< false: exactly the article's rules
+  bool own_heads = true;          ///< a head belongs to one person only when persons overlap
+  bool entangled_by_head = true;  ///< an entangled person with a head of its own keeps its range
+  bool any_hand = true;           ///< objects are moved by hands of overlapping persons too
+  bool lone_parts = true;         ///< a head or hand without a person is judged by itself
+  bool surrounded = true;         ///< a point without depth goes when the readings round it go
+  int surround_px = 24;           ///< how far these readings are looked for
+  double surround_share = 0.85;   ///< share of them that must lie on something that moves
+  /// As set, or with every refinement off unless `enabled`.
+  RefinementOptions effective() const;
+  void describe(OptionTable& table);
+};
+
 /// All of the method's thresholds. Depth extents live in the object catalogue.
 struct DynamicsOptions {
   std::string variant = "full";
@@ -58,6 +73,7 @@ struct DynamicsOptions {
   BodyMatchingOptions matching;
   MovedObjectOptions moved;
   CompensationOptions compensation;
+  RefinementOptions refinement;
 
   void describe(OptionTable& table);
   /// @throws std::logic_error when `variant` is none of the four (describe() lets no other in).

@@ -33,6 +33,17 @@ std::vector<ObjectJudgement> explain(const Scene& scene, std::span<const MovingR
   return judgements;
 }
 
+/// Edges and surroundings belong to variant `full`.
+PointRuleOptions point_rule_options(const DynamicsOptions& options) {
+  PointRuleOptions result;
+  if (options.parsed_variant() != Variant::full) return result;
+  const RefinementOptions refinement = options.refinement.effective();
+  result.edge_radius_px = static_cast<float>(options.edge_radius_px);
+  result.surround_px = refinement.surrounded ? refinement.surround_px : 0;
+  result.surround_share = refinement.surround_share;
+  return result;
+}
+
 }  // namespace
 
 int Judgement::rejected() const {
@@ -45,8 +56,7 @@ Judgement judge_frame(const DynamicsOptions& options, const ObjectCatalogue& cat
                       const DepthImage& depth_m) {
   const Scene scene = make_scene(detections, catalogue, depth_m, options);
   const std::vector<MovingRegion> regions = moving_regions(scene, options);
-  const float edge_radius_px =
-      options.parsed_variant() == Variant::full ? static_cast<float>(options.edge_radius_px) : 0.0F;
+  const PointRuleOptions point_options = point_rule_options(options);
   Judgement judgement;
   judgement.dynamic_frame = true;
   judgement.objects = explain(scene, regions);
@@ -54,7 +64,7 @@ Judgement judge_frame(const DynamicsOptions& options, const ObjectCatalogue& cat
   for (std::size_t i = 0; i < features.size(); ++i) {
     const PointSample point{features.keypoints[i].x_px, features.keypoints[i].y_px,
                             features.depth_m[i]};
-    judgement.rules.push_back(rule_of(point, regions, depth_m, edge_radius_px));
+    judgement.rules.push_back(rule_of(point, regions, depth_m, point_options));
   }
   return judgement;
 }

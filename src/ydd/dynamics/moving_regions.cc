@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/dynamics/moving_regions.h"
 
+#include <algorithm>
+
 #include "ydd/dynamics/box_geometry.h"
 #include "ydd/dynamics/moved_objects.h"
 
@@ -25,6 +27,8 @@ void for_objects(const Scene& scene, Which&& which, Visit&& visit) {
   }
 }
 
+bool is_hand(Subcategory subcategory) { return subcategory == Subcategory::hand; }
+
 void append_persons(const Scene& scene, const DynamicsOptions& options, Variant variant,
                     std::vector<MovingRegion>& regions) {
   for (const Body& body : scene.bodies) {
@@ -34,13 +38,43 @@ void append_persons(const Scene& scene, const DynamicsOptions& options, Variant 
   }
 }
 
+/// The hands that may move an object: the matched ones, with `any_hand` all.
+std::vector<int> moving_hands(const Scene& scene, const DynamicsOptions& options) {
+  std::vector<int> hands;
+  if (options.refinement.effective().any_hand) {
+    for_objects(scene, is_hand, [&](int i) { hands.push_back(i); });
+    return hands;
+  }
+  for (const Body& body : scene.bodies) {
+    hands.insert(hands.end(), body.hands.begin(), body.hands.end());
+  }
+  return hands;
+}
+
+/// Heads and hands whose box meets no person box.
+std::vector<int> lone_parts(const Scene& scene) {
+  std::vector<int> parts;
+  for_objects(
+      scene, [](Subcategory s) { return s == Subcategory::head || s == Subcategory::hand; },
+      [&](int i) {
+        const bool lone =
+            std::all_of(scene.bodies.begin(), scene.bodies.end(), [&](const Body& body) {
+              return disjoint(scene.objects[body.person].box, scene.objects[i].box);
+            });
+        if (lone) parts.push_back(i);
+      });
+  return parts;
+}
+
 }  // namespace
 
 Scene make_scene(const Detections& detections, const ObjectCatalogue& catalogue,
                  const DepthImage& depth_m, const DynamicsOptions& options) {
   Scene scene;
   scene.objects = measure_objects(detections, catalogue, depth_m, options.object_depth);
-  scene.bodies = match_bodies(scene.objects, options.matching);
+  const bool own_heads =
+      options.parsed_variant() == Variant::full && options.refinement.effective().own_heads;
+  scene.bodies = match_bodies(scene.objects, options.matching, own_heads);
   scene.extents = catalogue.extents();
   scene.depth_m = depth_m;
   return scene;
@@ -56,8 +90,14 @@ MovingRegion body_region(const Scene& scene, const Body& body, const DynamicsOpt
   if (is_small(scene, scene.objects[body.person].box, options)) {
     return region_of(scene, body.person, Rule::full_small_box);
   }
-  if (body.entangled) return region_of(scene, body.person, Rule::full_entangled);
-  return person_region(scene, body, options);
+  if (!body.entangled) return person_region(scene, body, options);
+  // Of two entangled persons the nearer one gives the measured depth of both boxes; a head tells
+  // them apart.
+  const bool by_head = options.refinement.effective().entangled_by_head && body.head >= 0 &&
+                       scene.objects[body.head].depth_m;
+  if (!by_head) return region_of(scene, body.person, Rule::full_entangled);
+  return region_of(scene, body.person, Rule::body_depth,
+                   head_range(*scene.objects[body.head].depth_m, scene.extents));
 }
 
 MovingRegion automatic_region(const Scene& scene, int object, const DynamicsOptions& options) {
@@ -75,15 +115,13 @@ std::optional<MovingRegion> moved_region(const Scene& scene, int object,
     return region_of(scene, object, rule,
                      object_range(*thing.depth_m, thing.extent_m, options.front_allowance));
   };
-  for (const Body& body : scene.bodies) {
-    for (const int i : body.hands) {
-      const SceneObject& hand = scene.objects[i];
-      if (!thing.depth_m && intersect(hand.box, thing.box)) {
-        return region_of(scene, object, Rule::full_depth_failed);
-      }
-      if (moved_by_hand(scene.depth_m, hand, thing, options.front_allowance, options.moved)) {
-        return moved_by(Rule::moved_by_hand);
-      }
+  for (const int i : moving_hands(scene, options)) {
+    const SceneObject& hand = scene.objects[i];
+    if (!thing.depth_m && intersect(hand.box, thing.box)) {
+      return region_of(scene, object, Rule::full_depth_failed);
+    }
+    if (moved_by_hand(scene.depth_m, hand, thing, options.front_allowance, options.moved)) {
+      return moved_by(Rule::moved_by_hand);
     }
   }
   for (const Body& body : scene.bodies) {
@@ -107,6 +145,13 @@ MovingRegion hand_region(const Scene& scene, int object, const DynamicsOptions& 
   return region;
 }
 
+MovingRegion lone_part_region(const Scene& scene, int object, const DynamicsOptions& options) {
+  const SceneObject& part = scene.objects[object];
+  if (!part.depth_m) return region_of(scene, object, Rule::full_depth_failed);
+  return region_of(scene, object, Rule::lone_part,
+                   object_range(*part.depth_m, part.extent_m, options.front_allowance));
+}
+
 std::vector<MovingRegion> moving_regions(const Scene& scene, const DynamicsOptions& options) {
   const Variant variant = options.parsed_variant();
   std::vector<MovingRegion> regions;
@@ -120,9 +165,10 @@ std::vector<MovingRegion> moving_regions(const Scene& scene, const DynamicsOptio
       [&](int i) {
         if (auto region = moved_region(scene, i, options)) regions.push_back(*region);
       });
-  for_objects(
-      scene, [](Subcategory s) { return s == Subcategory::hand; },
-      [&](int i) { regions.push_back(hand_region(scene, i, options)); });
+  if (options.refinement.effective().lone_parts) {
+    for (const int i : lone_parts(scene)) regions.push_back(lone_part_region(scene, i, options));
+  }
+  for_objects(scene, is_hand, [&](int i) { regions.push_back(hand_region(scene, i, options)); });
   return regions;
 }
 

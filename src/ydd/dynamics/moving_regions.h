@@ -24,7 +24,8 @@ Scene make_scene(const Detections& detections, const ObjectCatalogue& catalogue,
                  const DepthImage& depth_m, const DynamicsOptions& options);
 
 /// A person in variant `full`: rejected as a whole when its box is small or entangled or its depth
-/// has failed (section 8), else by the body's depth range (section 5).
+/// has failed (section 8), else by the body's depth range (section 5). With `entangled_by_head` an
+/// entangled person with a head is judged by the head's range.
 MovingRegion body_region(const Scene& scene, const Body& body, const DynamicsOptions& options);
 
 /// A person in variant `person`: by the body's depth range; as a whole when the depth has failed.
@@ -42,6 +43,10 @@ std::optional<MovingRegion> moved_region(const Scene& scene, int object,
 /// The surroundings of a hand: the box scaled, at `[D + hand/2 - small, D + hand/2 + small]`
 /// (article, equation 12). A hand without depth: its own box as a whole.
 MovingRegion hand_region(const Scene& scene, int object, const DynamicsOptions& options);
+
+/// A head or hand that belongs to no person (beyond the article): by `[D - allowance * d, D + d]`
+/// in its own box, as a whole when its depth has failed.
+MovingRegion lone_part_region(const Scene& scene, int object, const DynamicsOptions& options);
 
 /// All regions of a frame in the order in which they decide: bodies, automatic objects, moved
 /// objects, hands.

@@ -15,7 +15,9 @@ std::string_view to_string(Rule rule) {
                                                                       "full_depth_failed",
                                                                       "full_small_box",
                                                                       "full_entangled",
-                                                                      "geometry"};
+                                                                      "geometry",
+                                                                      "surrounded",
+                                                                      "lone_part"};
   return kNames[static_cast<std::size_t>(rule)];
 }
 

@@ -24,8 +24,10 @@ enum class Rule : std::uint8_t {
   full_small_box,     ///< 8.2: the box is too small
   full_entangled,     ///< 8.3: overlaps another person by more than half
   geometry,           ///< beyond the article: reprojection disagrees inside a dynamic box
+  surrounded,         ///< beyond the article: no depth, but all round it a moving thing
+  lone_part,          ///< beyond the article: on a head or hand that belongs to no person
 };
-inline constexpr int kRuleCount = 12;
+inline constexpr int kRuleCount = 14;
 std::string_view to_string(Rule rule);
 
 /// A feature point that no later stage sees, kept for pictures and counters.

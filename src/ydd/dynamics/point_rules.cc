@@ -1,9 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/dynamics/point_rules.h"
 
+#include <array>
+
 #include "ydd/dynamics/object_depth.h"
 
 namespace ydd {
+namespace {
+
+struct Direction {
+  int dx, dy;
+};
+constexpr std::array<Direction, 8> kDirections = {
+    {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+
+}  // namespace
 
 bool in_region(const MovingRegion& region, const PointSample& point) {
   return region.box.contains(point.x_px, point.y_px) &&
@@ -20,14 +31,40 @@ bool at_edge(const MovingRegion& region, const PointSample& point, const DepthIm
          moving(0, radius_px);
 }
 
+bool surrounded_by(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
+                   int reach_px, double share) {
+  if (!region.range || point.depth_m > 0.0F || !region.box.contains(point.x_px, point.y_px)) {
+    return false;
+  }
+  int moving = 0;
+  for (const auto& [dx, dy] : kDirections) {
+    for (int step = 1; step <= reach_px; ++step) {
+      const float d = depth_at(depth_m, point.x_px + static_cast<float>(dx * step),
+                               point.y_px + static_cast<float>(dy * step));
+      if (d <= 0.0F) continue;
+      moving += region.range->contains(d) ? 1 : 0;
+      break;
+    }
+  }
+  return moving >= share * static_cast<double>(kDirections.size());
+}
+
 Rule rule_of(const PointSample& point, std::span<const MovingRegion> regions,
-             const DepthImage& depth_m, float edge_radius_px) {
+             const DepthImage& depth_m, const PointRuleOptions& options) {
   for (const MovingRegion& region : regions) {
     if (in_region(region, point)) return region.rule;
   }
-  if (edge_radius_px <= 0.0F) return Rule::kept;
-  for (const MovingRegion& region : regions) {
-    if (at_edge(region, point, depth_m, edge_radius_px)) return Rule::edge;
+  if (options.edge_radius_px > 0.0F) {
+    for (const MovingRegion& region : regions) {
+      if (at_edge(region, point, depth_m, options.edge_radius_px)) return Rule::edge;
+    }
+  }
+  if (options.surround_px > 0) {
+    for (const MovingRegion& region : regions) {
+      if (surrounded_by(region, point, depth_m, options.surround_px, options.surround_share)) {
+        return Rule::surrounded;
+      }
+    }
   }
   return Rule::kept;
 }

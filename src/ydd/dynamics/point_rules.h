@@ -35,9 +35,23 @@ bool in_region(const MovingRegion& region, const PointSample& point);
 bool at_edge(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
              float radius_px);
 
-/// The rule that decides about a point: the first region that contains it, else an edge (not asked
-/// for a radius of 0), else kept.
+/// The point lies in the region's box without a reading, and of the readings next to it in the
+/// eight directions (looked for over `reach_px`) at least `share` lie in the region's range; two or
+/// more are needed. Beyond the article: holes on a body, such as the shadow of an arm. Never for a
+/// full rejection.
+bool surrounded_by(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
+                   int reach_px, double share);
+
+/// What rule_of needs to know besides the regions.
+struct PointRuleOptions {
+  float edge_radius_px = 0;   ///< 0: edges are not asked for
+  int surround_px = 0;        ///< 0: surroundings are not asked for
+  double surround_share = 1;  ///< of the readings around
+};
+
+/// The rule that decides about a point: the first region that contains it, else an edge, else its
+/// surroundings, else kept.
 Rule rule_of(const PointSample& point, std::span<const MovingRegion> regions,
-             const DepthImage& depth_m, float edge_radius_px);
+             const DepthImage& depth_m, const PointRuleOptions& options);
 
 }  // namespace ydd
