@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   ydd::app::add_options_command(app, job);
   ydd::app::add_eval_command(app, job);
   ydd::app::add_detect_command(app, job);
+  ydd::app::add_simulate_command(app, job);
   try {
     app.parse(argc, argv);
     return run_job(job);

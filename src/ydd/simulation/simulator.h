@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ydd/detection/detection.h"
+#include "ydd/geometry/se3.h"
+#include "ydd/image/rgbd_frame.h"
+#include "ydd/simulation/camera_path.h"
+#include "ydd/simulation/world_options.h"
+
+namespace ydd {
+
+/// A visible thing in one frame, exactly.
+struct SimulatedObject {
+  std::string class_name;  ///< person head hand chair cup fan monitor keyboard mouse book
+  std::string name;        ///< unique: "person0_head"
+  int id = 0;              ///< of the whole thing; movers have the ids of the masks, 1 to 255
+  bool dynamic = false;    ///< moves in this frame
+  bool moved_in_sequence = false;
+  Box box;         ///< around its visible pixels; a person's includes head and hands
+  int pixels = 0;  ///< visible ones
+};
+
+struct SimulatedFrame {
+  RgbdFrame frame;
+  SE3 T_world_camera;
+  std::vector<SimulatedObject> objects;  ///< in the order of the scene
+  Image<std::uint8_t> mask;              ///< id of what moves at some time, 0: static
+};
+
+/// A procedural RGB-D world with exact ground truth (see WorldOptions). Frames are random-access:
+/// `render(i)` gives the same bytes in any order, on any number of threads.
+/// Thread: `render` may run concurrently.
+class Simulator {
+ public:
+  /// Along the path that the options name.
+  explicit Simulator(const WorldOptions& options);
+  /// Along a path of one's own; with `options.frames` of 0 there are 300.
+  Simulator(const WorldOptions& options, CameraPath path);
+  ~Simulator();
+  Simulator(Simulator&&) noexcept;
+  Simulator& operator=(Simulator&&) noexcept;
+
+  int frame_count() const;
+  const Camera& camera() const;
+  /// Time of a frame; the first is at 1700000000 s, all on whole microseconds.
+  Timestamp stamp(int index) const;
+  SE3 T_world_camera(int index) const;
+  /// @throws std::logic_error unless 0 <= index < frame_count().
+  SimulatedFrame render(int index) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<const Impl> impl_;
+};
+
+}  // namespace ydd

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "ydd/base/options.h"
+#include "ydd/geometry/camera.h"
+
+namespace ydd {
+
+/// Everything that makes a simulated sequence: the same options give the same bytes.
+struct WorldOptions {
+  int seed = 1;
+  int width_px = 640;  ///< the intrinsics of TUM fr3 are scaled to it
+  int height_px = 480;
+  double fps = 30.0;
+  int frames = 0;  ///< 0: as many as one round of the path takes
+  std::string path = "xyz";
+
+  int people = 0;
+  bool busy = false;  ///< two or three people (or `people`) close to the camera
+  int rooms = 1;
+  bool repeated_posters = false;
+  bool identical_desks = false;
+  double wall_detail = 1.0;
+  double texture_detail = 1.0;
+
+  std::string depth = "exact";
+  double pixel_noise = 1.0;
+  double exposure_noise = 0.0;
+  int covered_from = 0;    ///< first frame with a covered lens
+  int covered_frames = 0;  ///< how many
+
+  int edge_samples = 4;
+  int threads = 1;
+
+  void describe(OptionTable& table);
+};
+
+/// TUM fr3 (535.4 539.2 320.1 247.6 at 640 x 480, no distortion) scaled to the options' image size.
+/// With the depth limits of the sensor model.
+Camera simulated_camera(const WorldOptions& options);
+
+}  // namespace ydd
