@@ -146,7 +146,6 @@ void add_detect_command(CLI::App& app, Job& job) {
   command
       ->add_option("--set", request->set,
                    "Set one option of the detector file: key=value; * is every network")
-      ->expected(1)
       ->allow_extra_args(false);
   command->add_option("--pictures", request->pictures, "Folder for pictures with the boxes drawn");
   command->add_option("--objects", request->objects,

@@ -43,6 +43,17 @@ bool is_head_of(const Box& head, const Box& body, const MergeOptions& options) {
          centre_y(head) < centre_y(body);
 }
 
+/// Heads whose person was not detected: only they have to vouch for hands themselves.
+std::vector<Box> lone_heads(std::vector<Box> heads, const std::vector<Box>& persons,
+                            const MergeOptions& options) {
+  std::erase_if(heads, [&](const Box& head) {
+    return any(persons, [&](const Box& person) {
+      return coverage(head, person) > static_cast<float>(options.head_in_body);
+    });
+  });
+  return heads;
+}
+
 bool is_hand_near(const Box& hand, const std::vector<Box>& persons, const std::vector<Box>& heads,
                   const MergeOptions& options) {
   return any(persons,
@@ -90,7 +101,7 @@ void MergeOptions::describe(OptionTable& table) {
   table.add("head_in_body", head_in_body, {0, 1}, "",
             "a head belongs to a body when more than this share of it lies in the body's box");
   table.add("hand_reach_heads", hand_reach_heads, {0, 100}, "",
-            "a hand is kept within this many head heights of a head");
+            "a hand is kept within this many head heights of a head without a person");
   table.add("hand_margin", hand_margin, {0, 10}, "",
             "or where it touches a person's box grown by this share of its width");
 }
@@ -101,7 +112,7 @@ Detections merge_people(Detections detections, const MergeOptions& options) {
       suppress_non_maxima(std::move(detections), static_cast<float>(options.same_class_iou)),
       options);
   const std::vector<Box> persons = boxes_of(detections, kPerson);
-  const std::vector<Box> heads = boxes_of(detections, kHead);
+  const std::vector<Box> heads = lone_heads(boxes_of(detections, kHead), persons, options);
   std::erase_if(detections, [&](const Detection& d) {
     return d.class_name == kHand && !is_hand_near(d.box, persons, heads, options);
   });

@@ -18,7 +18,7 @@ struct MergeOptions {
   double same_person_coverage = 0.7;
   double head_in_body = 0.5;
   double hand_reach_heads = 4.0;
-  double hand_margin = 0.25;
+  double hand_margin = 0.1;
   void describe(OptionTable& table);
 };
 
@@ -28,7 +28,7 @@ struct MergeOptions {
 ///  2. a body that overlaps a person is that person and goes;
 ///  3. else a body with a head in its upper half becomes a person, with its own score;
 ///  4. else it goes: networks see bodies in coats and chairs;
-///  5. a hand goes unless it lies within reach of a person or a head.
+///  5. a hand goes unless it lies at a person, or within reach of a head without a person.
 /// Other classes pass. Disabled: only sorted.
 Detections merge_people(Detections detections, const MergeOptions& options);
 

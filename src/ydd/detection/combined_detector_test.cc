@@ -71,7 +71,7 @@ TEST(MergePeople, TwoBodiesOfOnePersonGiveOne) {
 
 TEST(MergePeople, AHandNeedsAPersonOrAHeadWithinReach) {
   const Detection inside{"hand", 0.5F, {150, 250, 170, 270}};
-  const Detection beside{"hand", 0.5F, {210, 250, 230, 270}};
+  const Detection beside{"hand", 0.5F, {205, 250, 225, 270}};
   const Detection far{"hand", 0.5F, {400, 250, 420, 270}};
   const Detection person{"person", 0.9F, kPersonBox};
   EXPECT_THAT(merged({inside}), IsEmpty());
@@ -81,6 +81,9 @@ TEST(MergePeople, AHandNeedsAPersonOrAHeadWithinReach) {
   const Detection head{"head", 0.9F, {200, 150, 240, 200}};  // reach: 4 x 50 px
   EXPECT_THAT(merged({head, {"hand", 0.5F, {400, 165, 430, 185}}}), ElementsAre("head", "hand"));
   EXPECT_THAT(merged({head, {"hand", 0.5F, {420, 165, 450, 185}}}), ElementsAre("head"));
+  const Detection its_head{"head", 0.8F, {130, 100, 170, 150}};  // its person vouches, closer
+  EXPECT_THAT(merged({person, its_head, {"hand", 0.5F, {250, 250, 270, 270}}}),
+              ElementsAre("person", "head"));
 }
 
 TEST(MergePeople, AHandWhoseBodyWasDroppedGoesWithIt) {
