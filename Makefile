@@ -11,7 +11,7 @@ PREFIX ?= /usr/local
 
 # Ninja where there is one, but only for a folder that is configured for the first time.
 with_ninja = command -v ninja >/dev/null && export CMAKE_GENERATOR=Ninja
-cmake_preset = { $(with_ninja); cmake --preset $(1) --log-level=WARNING; }
+cmake_preset = { $(with_ninja); cmake --preset $(1) >/dev/null; }
 
 help:  ## This list
 	@sed -n 's/^\([a-z]*\):.*##/  make \1\t/p' $(MAKEFILE_LIST) | expand -t 18
