@@ -202,7 +202,7 @@ TEST_F(TumSequenceTest, WrongType) {
   fs::copy_file(folder_ / "rgb/0.png", folder_ / "depth/0.png",
                 fs::copy_options::overwrite_existing);
   EXPECT_THAT(read_error(0),
-              HasSubstr("depth/0.png: has 3 channels of 8 bits where a depth image"));
+              HasSubstr("depth/0.png: has 8 bits in 3 channel(s) where a depth image"));
   fs::copy_file(folder_ / "depth/1.png", folder_ / "rgb/1.png",
                 fs::copy_options::overwrite_existing);
   EXPECT_THAT(read_error(1), HasSubstr("rgb/1.png: has 16 bits a channel where a colour image"));

@@ -12,32 +12,83 @@
 
 #include "ydd/base/files.h"
 #include "ydd/image/image_header.h"
+#include "ydd/image/jpeg_decoder.h"
+#include "ydd/image/png_decoder.h"
 
 namespace ydd {
 namespace {
 
 constexpr int kMaxCount = 65535;
 
-/// Decodes `bytes` straight into `pixels`, which has the right size for `header`. False when the
-/// decoder gives up or sees another layout than the header promised.
-template <class T>
-bool decode_into(std::vector<T>& pixels, std::string_view bytes, const ImageHeader& header,
-                 int cv_type, int flags) {
-  // Headers only: imdecode reads the buffer and writes the pixels we own.
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1,
-                       const_cast<char*>(bytes.data()));  // NOLINT(*-const-cast): not written
-  cv::Mat target(header.height_px, header.width_px, cv_type, pixels.data());
-  try {
-    const cv::Mat decoded = cv::imdecode(buffer, flags, &target);
-    return !decoded.empty() && decoded.ptr() == reinterpret_cast<const uchar*>(pixels.data());
-  } catch (const cv::Exception&) {
-    return false;
-  }
-}
-
 Error failure(const std::filesystem::path& file, std::string_view reason) {
   return Error{fmt::format("{}: {}", file.string(), reason)};
 }
+
+/// RGB(A) or grey samples to BGR; alpha is dropped.
+Result<std::vector<Bgr>> decode_png_bgr(std::string_view bytes, const ImageHeader& header) {
+  const Result<PngRows> rows = decode_png(bytes, header);
+  if (!rows) return rows.error();
+  const auto channels = static_cast<std::size_t>(header.channels);
+  const std::size_t green = channels >= 3 ? 1 : 0;
+  const std::size_t blue = channels >= 3 ? 2 : 0;
+  std::vector<Bgr> pixels(std::size_t(header.width_px) * header.height_px);
+  Bgr* to = pixels.data();
+  for (int y = 0; y < header.height_px; ++y) {
+    const std::uint8_t* from = rows->row(y);
+    for (int x = 0; x < header.width_px; ++x, from += channels) {
+      *to++ = {from[blue], from[green], from[0]};
+    }
+  }
+  return pixels;
+}
+
+/// A depth file's rows of 16-bit counts, and its size.
+struct DepthRows {
+  int width_px;
+  int height_px;
+  PngRows rows;
+};
+
+Result<DepthRows> load_depth_rows(const std::filesystem::path& file) {
+  const Result<std::string> bytes = read_file(file);
+  if (!bytes) return bytes.error();
+  const Result<ImageHeader> header = read_image_header(*bytes);
+  if (!header) return failure(file, header.error().message);
+  if (header->bits_per_channel != 16 || header->channels != 1) {
+    return failure(file,
+                   fmt::format("has {} bits in {} channel(s) where a depth image with 16 bits "
+                               "in one is needed",
+                               header->bits_per_channel, header->channels));
+  }
+  Result<PngRows> rows = decode_png(*bytes, *header);
+  if (!rows) return failure(file, rows.error().message);
+  return DepthRows{header->width_px, header->height_px, *std::move(rows)};
+}
+
+int big_endian_count(const std::uint8_t* bytes) { return bytes[0] << 8 | bytes[1]; }
+
+/// Turns counts into metres. The limits are counts too and a mask does what a condition would:
+/// that is what the compiler vectorises.
+class DepthScale {
+ public:
+  explicit DepthScale(const Camera& camera)
+      : lowest_(static_cast<int>(count_within(std::ceil(camera.min_depth_m * camera.depth_scale)))),
+        highest_(
+            static_cast<int>(count_within(std::floor(camera.max_depth_m * camera.depth_scale)))),
+        counts_per_metre_(static_cast<float>(camera.depth_scale)) {}
+
+  float metres(int count) const {
+    const int mask = -static_cast<int>((count >= lowest_) & (count <= highest_));
+    return static_cast<float>(count & mask) / counts_per_metre_;
+  }
+
+ private:
+  static double count_within(double limit) { return std::clamp(limit, 0.0, kMaxCount + 1.0); }
+
+  int lowest_;
+  int highest_;
+  float counts_per_metre_;
+};
 
 template <class T>
 Result<void> write_any_png(const std::filesystem::path& file, const Image<T>& image, int cv_type) {
@@ -63,53 +114,49 @@ Result<ColourImage> load_colour(const std::filesystem::path& file) {
     return failure(file, fmt::format("has {} bits a channel where a colour image with 8 is needed",
                                      header->bits_per_channel));
   }
-  std::vector<Bgr> pixels(std::size_t(header->width_px) * header->height_px);
-  if (!decode_into(pixels, *bytes, *header, CV_8UC3,
-                   cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION)) {
-    return failure(file, "is damaged; copy or download it again");
-  }
-  return ColourImage(header->width_px, header->height_px, std::move(pixels));
+  auto pixels = header->format == ImageHeader::Format::jpeg ? decode_jpeg(*bytes, *header)
+                                                            : decode_png_bgr(*bytes, *header);
+  if (!pixels) return failure(file, pixels.error().message);
+  return ColourImage(header->width_px, header->height_px, *std::move(pixels));
 }
 
 Result<RawDepthImage> load_raw_depth(const std::filesystem::path& file) {
-  const Result<std::string> bytes = read_file(file);
-  if (!bytes) return bytes.error();
-  const Result<ImageHeader> header = read_image_header(*bytes);
-  if (!header) return failure(file, header.error().message);
-  if (header->bits_per_channel != 16 || header->channels != 1) {
-    return failure(file, fmt::format("has {} channels of {} bits where a depth image with one of "
-                                     "16 bits is needed",
-                                     header->channels, header->bits_per_channel));
+  const Result<DepthRows> depth = load_depth_rows(file);
+  if (!depth) return depth.error();
+  const auto width = static_cast<std::size_t>(depth->width_px);
+  std::vector<std::uint16_t> counts(width * depth->height_px);
+  for (int y = 0; y < depth->height_px; ++y) {
+    const std::uint8_t* const from = depth->rows.row(y);
+    std::uint16_t* const to = counts.data() + y * width;
+    for (std::size_t x = 0; x < width; ++x) {
+      to[x] = static_cast<std::uint16_t>(big_endian_count(from + 2 * x));
+    }
   }
-  std::vector<std::uint16_t> counts(std::size_t(header->width_px) * header->height_px);
-  if (!decode_into(counts, *bytes, *header, CV_16UC1, cv::IMREAD_UNCHANGED)) {
-    return failure(file, "is damaged; copy or download it again");
-  }
-  return RawDepthImage(header->width_px, header->height_px, std::move(counts));
+  return RawDepthImage(depth->width_px, depth->height_px, std::move(counts));
 }
 
+// The same as to_metres(load_raw_depth(...)) without the image in between.
 Result<DepthImage> load_depth(const std::filesystem::path& file, const Camera& camera) {
-  const Result<RawDepthImage> raw = load_raw_depth(file);
-  if (!raw) return raw.error();
-  return to_metres(*raw, camera);
+  const Result<DepthRows> depth = load_depth_rows(file);
+  if (!depth) return depth.error();
+  const DepthScale scale(camera);
+  const auto width = static_cast<std::size_t>(depth->width_px);
+  std::vector<float> depth_m(width * depth->height_px);
+  for (int y = 0; y < depth->height_px; ++y) {
+    const std::uint8_t* const from = depth->rows.row(y);
+    float* const to = depth_m.data() + y * width;
+    for (std::size_t x = 0; x < width; ++x) to[x] = scale.metres(big_endian_count(from + 2 * x));
+  }
+  return DepthImage(depth->width_px, depth->height_px, std::move(depth_m));
 }
 
 DepthImage to_metres(const RawDepthImage& raw, const Camera& camera) {
-  // Limits in counts: the loop then compares integers, which the compiler vectorises.
-  const double limit = kMaxCount + 1.0;
-  const int lowest =
-      static_cast<int>(std::clamp(std::ceil(camera.min_depth_m * camera.depth_scale), 1.0, limit));
-  const int highest =
-      static_cast<int>(std::clamp(std::floor(camera.max_depth_m * camera.depth_scale), 0.0, limit));
-  const auto scale = static_cast<float>(camera.depth_scale);
+  const DepthScale scale(camera);
   const std::size_t n = std::size_t(raw.width()) * raw.height();
   std::vector<float> depth_m(n);
   const std::uint16_t* const from = raw.data();
   float* const to = depth_m.data();
-  for (std::size_t i = 0; i < n; ++i) {
-    const int count = from[i];
-    to[i] = count >= lowest && count <= highest ? static_cast<float>(count) / scale : 0.0F;
-  }
+  for (std::size_t i = 0; i < n; ++i) to[i] = scale.metres(from[i]);
   return {raw.width(), raw.height(), std::move(depth_m)};
 }
 

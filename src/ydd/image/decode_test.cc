@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/image/decode.h"
 
+#include <libdeflate.h>
+
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <random>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -12,6 +17,7 @@
 
 #include "ydd/base/files.h"
 #include "ydd/image/image_header.h"
+#include "ydd/image/png_decoder.h"
 
 namespace ydd {
 namespace {
@@ -126,6 +132,101 @@ TEST_F(DecodeTest, DamageInTheMiddleIsFound) {
   EXPECT_THAT(colour_error(png), EndsWith("image: is damaged; copy or download it again"));
 }
 
+TEST_F(DecodeTest, DamagedJpegIsFound) {
+  std::string bytes = jpeg();
+  bytes.erase(bytes.size() - 100, 50);  // the blocks end early
+  EXPECT_THAT(colour_error(bytes), EndsWith("image: is damaged; copy or download it again"));
+}
+
+TEST_F(DecodeTest, JpegPixelsAreThoseOfOpenCv) {
+  for (const int cv_type : {CV_8UC3, CV_8UC1}) {
+    const std::string bytes = jpeg(cv_type);
+    const cv::Mat expected = cv::imdecode(std::vector<char>(bytes.begin(), bytes.end()), 1);
+    const auto image = load_colour(put("image", bytes));
+    ASSERT_TRUE(image) << image.error().message;
+    EXPECT_EQ(cv::norm(expected, cv::Mat(kHeight, kWidth, CV_8UC3, pixels_of(*image).data()),
+                       cv::NORM_INF),
+              0.0);
+  }
+}
+
+/// A PNG whose row y has filter y % 5, so that each is used on top of each.
+std::string png_with_all_filters(const std::vector<std::uint8_t>& samples, int bits, int colour,
+                                 std::size_t pixel_size, std::uint8_t last_filter = 4) {
+  const auto at = [&](std::size_t y, std::ptrdiff_t x) {
+    return x < 0 ? 0 : static_cast<int>(samples[y * kWidth * pixel_size + std::size_t(x)]);
+  };
+  std::string filtered;
+  for (std::size_t y = 0; y < std::size_t{kHeight}; ++y) {
+    const auto filter = static_cast<std::uint8_t>(y % (last_filter + 1U));
+    filtered += static_cast<char>(filter);
+    for (std::ptrdiff_t x = 0; x < std::ptrdiff_t(kWidth * pixel_size); ++x) {
+      const std::ptrdiff_t before = x - std::ptrdiff_t(pixel_size);
+      const int a = at(y, before);
+      const int b = y == 0 ? 0 : at(y - 1, x);
+      const int c = y == 0 ? 0 : at(y - 1, before);
+      const int p = a + b - c;
+      int best = std::abs(p - b) <= std::abs(p - c) ? b : c;
+      if (std::abs(p - a) <= std::abs(p - b) && std::abs(p - a) <= std::abs(p - c)) best = a;
+      const std::array<int, 6> predicted = {0, a, b, (a + b) / 2, best, 0};
+      filtered += static_cast<char>(at(y, x) - predicted[filter]);
+    }
+  }
+  const auto number = [](std::uint32_t n) {
+    return std::string{static_cast<char>(n >> 24), static_cast<char>(n >> 16),
+                       static_cast<char>(n >> 8), static_cast<char>(n)};
+  };
+  const auto chunk = [&](const std::string& type, const std::string& data) {
+    const std::string body = type + data;
+    return number(std::uint32_t(data.size())) + body +
+           number(libdeflate_crc32(0, body.data(), body.size()));
+  };
+  std::string stream(filtered.size() + 1000, '\0');
+  auto* const compressor = libdeflate_alloc_compressor(1);
+  stream.resize(libdeflate_zlib_compress(compressor, filtered.data(), filtered.size(),
+                                         stream.data(), stream.size()));
+  libdeflate_free_compressor(compressor);
+  const std::string header = number(kWidth) + number(kHeight) + static_cast<char>(bits) +
+                             static_cast<char>(colour) + std::string(3, '\0');
+  return "\x89PNG\r\n\x1a\n" + chunk("IHDR", header) + chunk("IDAT", stream.substr(0, 100)) +
+         chunk("tEXt", "note") + chunk("IDAT", stream.substr(100)) + chunk("IEND", "");
+}
+
+struct PngKind {
+  int bits, colour;
+  std::size_t pixel_size;
+};
+
+TEST_F(DecodeTest, PngOfEveryFilterAndPixelSize) {
+  const std::vector<PngKind> kinds = {{8, 0, 1}, {8, 4, 2},  {16, 0, 2}, {8, 2, 3},
+                                      {8, 6, 4}, {16, 2, 6}, {16, 6, 8}};
+  for (const auto& [bits, colour, pixel_size] : kinds) {
+    std::vector<std::uint8_t> samples(kPixels * pixel_size);
+    std::mt19937 random(7);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      samples[i] = static_cast<std::uint8_t>(i / 50 + random() % (i % 7 == 0 ? 256 : 20));
+    }
+    const std::string bytes = png_with_all_filters(samples, bits, colour, pixel_size);
+    const auto header = read_image_header(bytes);
+    ASSERT_TRUE(header) << header.error().message;
+    const auto decoded = decode_png(bytes, *header);
+    ASSERT_TRUE(decoded) << decoded.error().message;
+    std::vector<std::uint8_t> joined;
+    for (int y = 0; y < kHeight; ++y) {
+      joined.insert(joined.end(), decoded->row(y), decoded->row(y) + decoded->row_size);
+    }
+    EXPECT_EQ(joined, samples) << bits << " bits, colour type " << colour;
+  }
+}
+
+TEST_F(DecodeTest, PngWithWrongContentIsDamaged) {
+  const std::vector<std::uint8_t> samples(kPixels * 3, 9);
+  EXPECT_EQ(colour_error(png_with_all_filters(samples, 8, 2, 3)), "no error");
+  EXPECT_THAT(colour_error(png_with_all_filters(samples, 8, 2, 3, 5)), HasSubstr("is damaged"));
+  EXPECT_THAT(colour_error(png_with_all_filters(samples, 8, 6, 3)), HasSubstr("is damaged"));
+  EXPECT_THAT(colour_error(png_with_all_filters(samples, 8, 3, 3)), HasSubstr("palette PNG"));
+}
+
 TEST_F(DecodeTest, WhatIsNoImage) {
   EXPECT_THAT(colour_error(""), EndsWith("image: is an empty file"));
   EXPECT_THAT(colour_error("GIF89a"), EndsWith("image: is neither PNG nor JPEG"));
@@ -146,9 +247,9 @@ TEST_F(DecodeTest, BrokenSizesAreRefusedBeforeAnythingIsAllocated) {
 TEST_F(DecodeTest, DepthMustBeOneChannelOf16Bits) {
   ASSERT_TRUE(write_png(folder_ / "g.png", to_grey(colour_pattern())));
   EXPECT_THAT(load_raw_depth(folder_ / "g.png").error().message,
-              HasSubstr("g.png: has 1 channels of 8 bits where a depth image"));
+              HasSubstr("g.png: has 8 bits in 1 channel(s) where a depth image"));
   EXPECT_THAT(load_raw_depth(put("j.jpg", jpeg())).error().message,
-              HasSubstr("j.jpg: has 3 channels of 8 bits"));
+              HasSubstr("j.jpg: has 8 bits in 3 channel(s)"));
   ASSERT_TRUE(write_png(folder_ / "d.png", depth_pattern()));
   EXPECT_THAT(load_colour(folder_ / "d.png").error().message,
               HasSubstr("d.png: has 16 bits a channel where a colour image with 8 is needed"));
@@ -196,6 +297,15 @@ TEST(ToMetres, ReadingsOutsideTheLimitsAreNone) {
   camera.max_depth_m = 100.0;
   EXPECT_EQ(pixels_of(to_metres(raw, camera)).front(), 0.0F);
   EXPECT_EQ(pixels_of(to_metres(raw, camera)).back(), 65535.0F / 5000.0F);
+}
+
+TEST_F(DecodeTest, LoadDepthIsLoadRawDepthInMetres) {
+  Camera camera;
+  camera.min_depth_m = 0.5;
+  camera.max_depth_m = 6.0;
+  ASSERT_TRUE(write_png(folder_ / "d.png", depth_pattern()));
+  EXPECT_EQ(pixels_of(*load_depth(folder_ / "d.png", camera)),
+            pixels_of(to_metres(depth_pattern(), camera)));
 }
 
 TEST(ToMetres, ComesBackThroughRawDepth) {

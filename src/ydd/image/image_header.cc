@@ -55,16 +55,19 @@ Result<ImageHeader> read_png(std::string_view bytes) {
   const auto height = number_at(bytes, 20, 4);
   const auto bits = number_at(bytes, 24, 1);
   const auto colour = number_at(bytes, 25, 1);
-  if (!colour) return kTruncated;
+  const auto interlacing = number_at(bytes, 28, 1);
+  if (!interlacing) return kTruncated;
   if (bytes.substr(12, 4) != "IHDR") return Error{"has a broken PNG header"};
   if (!png_is_complete(bytes)) return kTruncated;
   ImageHeader header{.format = ImageHeader::Format::png,
                      .width_px = static_cast<int>(*width),
                      .height_px = static_cast<int>(*height),
                      .bits_per_channel = static_cast<int>(*bits)};
+  constexpr std::uint32_t kPaletteBit = 1;
   constexpr std::uint32_t kColourBit = 2;
   constexpr std::uint32_t kAlphaBit = 4;
   header.channels = ((*colour & kColourBit) ? 3 : 1) + ((*colour & kAlphaBit) ? 1 : 0);
+  header.plain = !(*colour & kPaletteBit) && *interlacing == 0 && *bits >= 8;
   return checked(header);
 }
 

@@ -14,7 +14,8 @@ struct ImageHeader {
   int width_px = 0;
   int height_px = 0;
   int bits_per_channel = 0;
-  int channels = 0;  ///< as stored: 1 grey, 3 colour (also palettes), 2 and 4 with alpha
+  int channels = 0;   ///< as stored: 1 grey, 3 colour, 2 and 4 with alpha (PNG) or CMYK (JPEG)
+  bool plain = true;  ///< false: a PNG with palette, interlacing or less than 8 bits
 };
 
 /// Reads the header of a PNG or JPEG file held in `bytes` and checks that the file goes on to its

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/image/jpeg_decoder.h"
+
+#include <csetjmp>
+#include <cstddef>
+#include <cstdio>  // jpeglib.h needs it
+
+#include <jerror.h>
+#include <jpeglib.h>
+
+namespace ydd {
+namespace {
+
+// Why not OpenCV: it hides the decoder's warnings, by which alone a damaged file can be told, and
+// lets them be printed.
+
+// More before a marker are not a webcam's padding: decoding lost its place.
+constexpr int kMaxStrayBytes = 8;
+
+struct ErrorManager {
+  jpeg_error_mgr base;  // first: libjpeg knows only this part
+  std::jmp_buf leave;
+};
+
+extern "C" {
+void leave_on_error(j_common_ptr info) {
+  std::longjmp(reinterpret_cast<ErrorManager*>(info->err)->leave, 1);  // NOLINT: libjpeg's way
+}
+
+void count_warning(j_common_ptr info, int level) {
+  jpeg_error_mgr& errors = *info->err;
+  const bool is_warning = level < 0;
+  const bool is_stray =
+      errors.msg_code == JWRN_EXTRANEOUS_DATA && errors.msg_parm.i[0] <= kMaxStrayBytes;
+  if (is_warning && !is_stray && errors.msg_code != JWRN_ADOBE_XFORM) ++errors.num_warnings;
+}
+
+void print_nothing(j_common_ptr) {}
+}
+
+/// Fills `pixels`, of the size in `header`. False if the file is damaged. Holds nothing with a
+/// destructor, which a jump would skip.
+bool decode(std::string_view bytes, const ImageHeader& header, Bgr* pixels) {
+  jpeg_decompress_struct info{};
+  ErrorManager errors{};
+  info.err = jpeg_std_error(&errors.base);
+  errors.base.error_exit = leave_on_error;
+  errors.base.emit_message = count_warning;
+  errors.base.output_message = print_nothing;
+  if (setjmp(errors.leave) != 0) {  // NOLINT: libjpeg's way
+    jpeg_destroy_decompress(&info);
+    return false;
+  }
+  jpeg_create_decompress(&info);
+  jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+  jpeg_read_header(&info, TRUE);
+  info.out_color_space = JCS_EXT_BGR;
+  jpeg_start_decompress(&info);
+  const auto width = static_cast<JDIMENSION>(header.width_px);
+  bool good = info.output_width == width && info.output_components == 3 &&
+              info.output_height == static_cast<JDIMENSION>(header.height_px);
+  while (good && info.output_scanline < info.output_height) {
+    JSAMPROW row = pixels[static_cast<std::size_t>(info.output_scanline) * width].data();
+    jpeg_read_scanlines(&info, &row, 1);
+  }
+  good = good && jpeg_finish_decompress(&info) == TRUE && errors.base.num_warnings == 0;
+  jpeg_destroy_decompress(&info);
+  return good;
+}
+
+}  // namespace
+
+Result<std::vector<Bgr>> decode_jpeg(std::string_view bytes, const ImageHeader& header) {
+  if (header.channels != 1 && header.channels != 3) {
+    return Error{"is a CMYK JPEG; convert it to RGB"};
+  }
+  std::vector<Bgr> pixels(static_cast<std::size_t>(header.width_px) * header.height_px);
+  if (!decode(bytes, header, pixels.data())) return Error{"is damaged; copy or download it again"};
+  return pixels;
+}
+
+}  // namespace ydd
