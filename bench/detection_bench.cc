@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a detector costs beside its network, and with it.
+//
+//   YDD_MODELS=<folder with weights> ydd_detection_bench
+//
+// Without YDD_MODELS only the parts around the network are measured.
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+#include <opencv2/core/utility.hpp>
+
+#include "ydd/detection/boxes.h"
+#include "ydd/detection/combined_detector.h"
+#include "ydd/detection/detector_config.h"
+#include "ydd/detection/letterbox.h"
+#include "ydd/detection/yolo_decode.h"
+
+namespace ydd {
+namespace {
+
+ColourImage noise_image(int width_px, int height_px) {
+  std::mt19937 random(1);
+  std::vector<Bgr> pixels(static_cast<std::size_t>(width_px) * height_px);
+  for (Bgr& p : pixels) {
+    const auto v = random();
+    p = {static_cast<std::uint8_t>(v), static_cast<std::uint8_t>(v >> 8U),
+         static_cast<std::uint8_t>(v >> 16U)};
+  }
+  return {width_px, height_px, std::move(pixels)};
+}
+
+void letterbox(benchmark::State& state) {
+  cv::setNumThreads(1);
+  const ColourImage image = noise_image(640, 480);
+  InputFormat format;
+  format.width_px = static_cast<int>(state.range(0));
+  format.height_px = static_cast<int>(state.range(1));
+  Letterboxer letterboxer(format);
+  for (auto _ : state) benchmark::DoNotOptimize(letterboxer.prepare(image).values.data());
+}
+BENCHMARK(letterbox)
+    ->Args({640, 480})
+    ->Args({416, 320})
+    ->Args({320, 256})
+    ->Unit(benchmark::kMillisecond);
+
+/// Outputs of a network in which about one cell in a hundred sees something.
+struct Outputs {
+  std::vector<std::vector<float>> values;
+  std::vector<Tensor> tensors;
+
+  void add(std::vector<int> shape) {
+    std::size_t size = 1;
+    for (const int d : shape) size *= static_cast<std::size_t>(d);
+    std::mt19937 random(2);
+    std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
+    std::vector<float> v(size);
+    for (float& x : v) x = uniform(random) < 0.01F ? 0.9F : 0.01F;
+    values.push_back(std::move(v));
+    tensors.push_back({std::move(shape), values.back()});
+  }
+};
+
+Outputs outputs_of(YoloKind kind, const YoloShape& shape) {
+  const int row = 5 + shape.class_count;
+  int cells = 0;
+  for (const int s : {8, 16, 32}) cells += (shape.width_px / s) * (shape.height_px / s);
+  Outputs out;
+  if (kind == YoloKind::yolov5) {
+    out.add({1, 3 * cells, row});
+  } else if (kind == YoloKind::yolov8) {
+    out.add({1, row - 1, cells});
+  } else {
+    const int channels = kind == YoloKind::yolox_heads ? row : 3 * row;
+    for (const int s : {8, 16, 32}) out.add({1, channels, shape.height_px / s, shape.width_px / s});
+  }
+  return out;
+}
+
+void decode(benchmark::State& state, YoloKind kind, int class_count) {
+  const YoloShape shape{class_count, 640, 480};
+  const Outputs outputs = outputs_of(kind, shape);
+  std::size_t found = 0;
+  for (auto _ : state) {
+    const auto candidates = decode_yolo(kind, outputs.tensors, shape, 0.3F);
+    found = candidates.size();
+    benchmark::DoNotOptimize(candidates.data());
+  }
+  state.counters["candidates"] = static_cast<double>(found);
+}
+BENCHMARK_CAPTURE(decode, yolov5_coco, YoloKind::yolov5, 80)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(decode, yolov5_heads_coco, YoloKind::yolov5_heads, 80)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(decode, yolov8_coco, YoloKind::yolov8, 80)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(decode, yolox_body_head_hand, YoloKind::yolox_heads, 3)
+    ->Unit(benchmark::kMillisecond);
+
+void suppress_and_merge(benchmark::State& state) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
+  Detections detections;
+  const char* classes[] = {"person", "body", "head", "hand", "chair"};
+  for (int i = 0; i < 300; ++i) {
+    const float x = 500 * uniform(random);
+    const float y = 300 * uniform(random);
+    const float size = 30 + 100 * uniform(random);
+    detections.push_back({classes[i % 5], uniform(random), {x, y, x + size, y + 1.5F * size}});
+  }
+  const MergeOptions options;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(merge_people(suppress_non_maxima(detections, 0.45F), options).data());
+  }
+}
+BENCHMARK(suppress_and_merge)->Unit(benchmark::kMillisecond);
+
+/// Arguments: input width, height, threads.
+void detect(benchmark::State& state) {
+  if (std::getenv("YDD_MODELS") == nullptr) {
+    state.SkipWithError("set YDD_MODELS to the folder with the network weights");
+    return;
+  }
+  const std::vector<std::string> set = {
+      "networks.*.input.width=" + std::to_string(state.range(0)),
+      "networks.*.input.height=" + std::to_string(state.range(1))};
+  const auto file = std::filesystem::path(__FILE__).parent_path().parent_path() /
+                    "configs/detector/coco_body_head_hand.yaml";
+  cv::setNumThreads(static_cast<int>(state.range(2)));
+  const auto detector = make_detector(file, set);
+  if (!detector) {
+    state.SkipWithError(detector.error().message.c_str());
+    return;
+  }
+  RgbdFrame frame;
+  frame.colour = noise_image(640, 480);
+  for (auto _ : state) {
+    const auto found = (*detector)->detect(frame);
+    if (!found) state.SkipWithError(found.error().message.c_str());
+  }
+}
+BENCHMARK(detect)
+    ->Args({640, 480, 1})
+    ->Args({640, 480, 2})
+    ->Args({512, 384, 1})
+    ->Args({416, 320, 1})
+    ->Args({320, 256, 1})
+    ->Args({320, 256, 2})
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace ydd
+
+BENCHMARK_MAIN();
