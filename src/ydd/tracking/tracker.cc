@@ -9,7 +9,6 @@ namespace ydd {
 namespace {
 
 constexpr int kRelocalizationCandidates = 8;
-constexpr int kProvenSightings = 2;  // a point seen from two keyframes counts for the policy
 
 void assign(const PoseFromMatches& pose, TrackedFrame& frame) {
   frame.T_camera_world = pose.T_camera_world;
@@ -251,9 +250,11 @@ KeyframeSituation Tracker::situation(const Atlas& atlas, const TrackedFrame& fra
   KeyframeSituation s;
   s.since_keyframe_s = seconds_between(last_candidate_stamp_, frame.stamp);
   s.inliers = result.inliers;
+  // Points seen from one keyframe only are unproven, but a young map has no others.
+  const std::size_t proven = atlas.keyframes().size() <= 2 ? 1 : 2;
   for (const MapPointId id : atlas.at(result.reference).points) {
     const MapPoint* point = atlas.find(id);
-    if (point && static_cast<int>(point->sightings.size()) >= kProvenSightings) {
+    if (point && point->sightings.size() >= proven) {
       ++s.reference_points;
     }
   }
