@@ -89,7 +89,7 @@ TimedPath rpy_path(const Tremor& tremor) {
 TimedPath halfsphere_path(const Tremor& tremor) {
   return {[=](double t) {
             const double azimuth = degrees(26) * std::sin(kTurn * t / 7.3);
-            const double elevation = degrees(17) - degrees(13) * std::cos(kTurn * t / 4.7);
+            const double elevation = degrees(15) - degrees(10) * std::cos(kTurn * t / 4.7);
             const double radius = 3.05;
             const Vector3d out(std::sin(azimuth) * std::cos(elevation),
                                -std::cos(azimuth) * std::cos(elevation), std::sin(elevation));

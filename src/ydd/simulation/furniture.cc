@@ -63,10 +63,7 @@ Parts make_desk(SceneBuilder& builder, float width_m, float depth_m) {
 
 Parts make_chair(SceneBuilder& builder, int object) {
   const Palette& p = builder.palette();
-  Random random = builder.next_random();
-  const int side = 256;
-  const int cloth = builder.add_texture(
-      paint_cloth(random, side, 2.0F * builder.texel_m(), Cloth::blocks), Wrap::repeat);
+  const int cloth = p.leather;
   Parts parts;
   parts.push_back(builder.cut(make_loft({{0.42F, 0.20F, 0.20F, 0, 0, 4},
                                          {0.44F, 0.24F, 0.24F, 0, 0, 4},

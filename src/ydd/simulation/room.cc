@@ -16,6 +16,8 @@ constexpr auto kW = static_cast<float>(kRoomWidth_m);
 constexpr auto kD = static_cast<float>(kRoomDepth_m);
 constexpr auto kH = static_cast<float>(kRoomHeight_m);
 constexpr float kDoorHeight_m = 2.05F;
+constexpr double kBusyWalls = 0.4;
+constexpr float kLampPower = 1.9F;
 constexpr float kCell_m = 0.2F;  // of baked light on large surfaces
 
 SE3 at(double x, double y, double z = 0, double turn_rad = 0) {
@@ -67,6 +69,8 @@ class RoomBuilder {
   void place_at_wall(int wall, const Parts& parts, double along, double z = 0, double out = 0) {
     place(parts, walls_[wall].T_room_wall * at(along, -out, z));
   }
+  /// Loud clothes before a quiet wall: what a crowd does to a tracker.
+  double wall_detail() const { return (options_.busy ? kBusyWalls : 1.0) * options_.wall_detail; }
   int texels(float metres) const { return static_cast<int>(metres / builder_.texel_m()); }
   Part picture(const Canvas& canvas, const Mesh& mesh) {
     return builder_.covered(mesh, builder_.add_texture(canvas), -1);
@@ -113,7 +117,7 @@ void RoomBuilder::build_floor_and_ceiling() {
       place({lamp}, SE3());
       const Vector3 centre =
           (T_world_room_ * Eigen::Vector3d(x, y, kRoomHeight_m - 0.06)).cast<float>();
-      builder_.add_lamp({centre, half, 1.0F});
+      builder_.add_lamp({centre, half, kLampPower});
     }
   }
 }
@@ -122,7 +126,7 @@ void RoomBuilder::build_wall(int index) {
   const Wall& wall = walls_[index];
   Random random = builder_.next_random();
   const Colour base = hsv(random.uniform_f(0.05F, 0.6F), random.uniform_f(0.03F, 0.14F), 0.8F);
-  const auto contrast = static_cast<float>(0.3 + 0.7 * options_.wall_detail);
+  const auto contrast = static_cast<float>(0.3 + 0.7 * wall_detail());
   const int paint = builder_.add_texture(
       paint_plaster(random.fork(1), texels(wall.length_m), texels(kH), base, contrast));
   // A piece of the wall between x0, x1 and z0, z1, with its piece of the paint.
@@ -174,7 +178,7 @@ void RoomBuilder::hang_posters(int wall, float x0, float x1, float z0, float z1)
     float bottom = z0 + random.uniform_f(0.0F, 0.12F);
     while (bottom < z1 - 0.25F) {
       const float height = std::min(width * random.uniform_f(0.75F, 1.4F), z1 - bottom);
-      const bool used = random.chance(options_.wall_detail);
+      const bool used = random.chance(wall_detail());
       const Random paint = random.fork(3);
       if (used) {
         hang(wall, paint_poster(paint, builder_.fine_texels(width), builder_.fine_texels(height)),
@@ -222,7 +226,7 @@ void RoomBuilder::furnish_north(const std::array<bool, 2>& fixed_chair) {
   for (int i = 0; i < 2; ++i) {
     if (room_ == 0 && !fixed_chair[i]) continue;
     place(make_chair(builder_, builder_.add_object("chair")),
-          at(kChairPlaces_m[i][0], kChairPlaces_m[i][1], 0, std::numbers::pi + 0.5 - 0.8 * i));
+          at(kChairPlaces_m[i][0], kChairPlaces_m[i][1], 0, std::numbers::pi + 0.35 - 0.5 * i));
   }
   place_at_wall(0, make_cabinet(builder_, 0.85F, 0.9F), 4.1);
   place_at_wall(0, make_bookcase(builder_, 1.1F, 1.9F), 5.15);

@@ -56,7 +56,7 @@ struct Scene {
   std::vector<Part> fixed;  ///< in the world frame
   std::vector<Actor> actors;
   std::vector<Lamp> lamps;
-  float ambient = 0.45F;
+  float ambient = 0.55F;
 };
 
 }  // namespace ydd::sim

@@ -30,7 +30,7 @@ SceneBuilder::SceneBuilder(Random random, double detail)
   palette_.white = plain(grey(0.82F), 0.03F);
   palette_.black = plain(grey(0.11F), 0.03F);
   palette_.steel = plain(grey(0.5F), 0.06F);
-  palette_.leather = plain(hsv(random_.uniform_f(0.0F, 1.0F), 0.5F, 0.35F), 0.12F);
+  palette_.leather = plain(hsv(random_.uniform_f(0.0F, 1.0F), 0.5F, 0.4F), 0.2F);
   palette_.leaf = plain(bgr(0.12F, 0.42F, 0.18F), 0.25F);
 }
 

@@ -6,6 +6,9 @@
 #include <stdexcept>
 
 #include "ydd/image/decode.h"
+#include "ydd/simulation/annotation.h"
+#include "ydd/simulation/depth_sensor.h"
+#include "ydd/simulation/people.h"
 #include "ydd/simulation/renderer.h"
 #include "ydd/simulation/room.h"
 #include "ydd/simulation/scene_builder.h"
@@ -20,18 +23,37 @@ constexpr int kMinObjectPixels = 20;
 sim::Scene make_scene(const WorldOptions& options) {
   const double detail = options.texture_detail * options.width_px / 640.0;
   sim::SceneBuilder builder(sim::Random(static_cast<std::uint64_t>(options.seed)), detail);
-  sim::build_rooms(builder, options, {true, true});
+  const sim::Cast cast = sim::choose_cast(options);
+  sim::build_rooms(builder, options, {!cast.pushed_chair, true});
+  builder.reseed(sim::Random(sim::mix_bits(static_cast<std::uint64_t>(options.seed), 99)));
+  sim::add_actors(builder, options, cast);
   return std::move(builder).finish();
+}
+
+/// A number of its own for everything random in a frame.
+std::uint64_t frame_seed(const WorldOptions& options, int index) {
+  constexpr std::uint64_t kFrames = 1ULL << 32U;
+  return sim::mix_bits(static_cast<std::uint64_t>(options.seed),
+                       kFrames + static_cast<std::uint64_t>(index));
 }
 
 std::uint8_t to_byte(float value) {
   return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
 }
 
+/// Somebody holds a hand before the lens: a black picture, no depth.
+bool is_covered(const WorldOptions& options, int index) {
+  return index >= options.covered_from && index < options.covered_from + options.covered_frames;
+}
+
+DepthImage no_depth(const Camera& camera) {
+  return {camera.width_px, camera.height_px,
+          std::vector<float>(static_cast<std::size_t>(camera.width_px) * camera.height_px)};
+}
+
 /// The picture with the noise of its sensor.
 ColourImage expose(const sim::Rendering& rendering, const WorldOptions& options, int index) {
-  const std::uint64_t seed = sim::mix_bits(static_cast<std::uint64_t>(options.seed),
-                                           0x100000000ULL + static_cast<std::uint64_t>(index));
+  const std::uint64_t seed = frame_seed(options, index);
   sim::Random random(seed);
   const auto gain = static_cast<float>(1.0 + options.exposure_noise * random.normal());
   const auto noise = static_cast<float>(options.pixel_noise);
@@ -48,27 +70,6 @@ ColourImage expose(const sim::Rendering& rendering, const WorldOptions& options,
   return {options.width_px, options.height_px, std::move(colours)};
 }
 
-DepthImage exact_depth(const sim::Rendering& rendering, const Camera& camera) {
-  std::vector<float> depth;
-  depth.reserve(rendering.pixels.size());
-  for (const sim::RenderedPixel& pixel : rendering.pixels) {
-    const auto z = static_cast<double>(pixel.depth_m);
-    depth.push_back(camera.is_valid_depth(z) ? pixel.depth_m : 0.0F);
-  }
-  return {camera.width_px, camera.height_px, std::move(depth)};
-}
-
-Image<std::uint8_t> make_mask(const sim::Rendering& rendering, const sim::Scene& scene,
-                              const Camera& camera) {
-  std::vector<std::uint8_t> ids;
-  ids.reserve(rendering.pixels.size());
-  for (const sim::RenderedPixel& pixel : rendering.pixels) {
-    const bool moving = pixel.moving && pixel.object >= 0;
-    ids.push_back(moving ? static_cast<std::uint8_t>(scene.objects[pixel.object].id) : 0);
-  }
-  return {camera.width_px, camera.height_px, std::move(ids)};
-}
-
 }  // namespace
 
 struct Simulator::Impl {
@@ -76,7 +77,8 @@ struct Simulator::Impl {
       : options(options_in),
         camera(simulated_camera(options_in)),
         path(std::move(path_in)),
-        renderer(make_scene(options_in)) {}
+        renderer(make_scene(options_in)),
+        probe(renderer.scene()) {}
 
   double time_s(int index) const { return 1e-9 * static_cast<double>(offset_ns(index)); }
   std::int64_t offset_ns(int index) const { return 1000 * std::llround(1e6 * index / options.fps); }
@@ -85,6 +87,7 @@ struct Simulator::Impl {
   Camera camera;
   TimedPath path;
   sim::Renderer renderer;
+  sim::MotionProbe probe;
 };
 
 Simulator::Simulator(const WorldOptions& options)
@@ -116,17 +119,29 @@ SimulatedFrame Simulator::render(int index) const {
     throw std::logic_error("Simulator: no such frame");
   }
   const WorldOptions& options = impl_->options;
-  SimulatedFrame result;
-  result.T_world_camera = T_world_camera(index);
-  sim::RenderOptions render_options;
-  render_options.edge_samples = options.edge_samples;
-  render_options.threads = options.threads;
-  const sim::Rendering rendering = impl_->renderer.render(impl_->camera, result.T_world_camera,
-                                                          impl_->time_s(index), render_options);
+  const Camera& camera = impl_->camera;
+  const sim::Scene& scene = impl_->renderer.scene();
+  const double time_s = impl_->time_s(index);
+  const bool kinect = options.depth == "kinect";
+  const SE3 T_world_camera = impl_->path.T_world_camera(time_s);
+  const sim::RenderOptions render_options{options.edge_samples, options.threads, kinect,
+                                          sim::kinect_projector_camera_m()};
+  const sim::Rendering rendering =
+      impl_->renderer.render(camera, T_world_camera, time_s, render_options);
   const ColourImage colour = expose(rendering, options, index);
-  result.frame = {index, stamp(index), to_grey(colour), colour,
-                  exact_depth(rendering, impl_->camera)};
-  result.mask = make_mask(rendering, impl_->renderer.scene(), impl_->camera);
+  const std::uint64_t depth_seed = sim::mix_bits(frame_seed(options, index), 1);
+  DepthImage depth_m = is_covered(options, index) ? no_depth(camera)
+                       : kinect                   ? sim::kinect_depth(rendering, camera, depth_seed)
+                                                  : sim::exact_depth(rendering, camera);
+  const std::vector<bool> moving = impl_->probe.moving_objects(scene, time_s, 1.0 / options.fps);
+  SimulatedFrame result;
+  result.frame = {index, stamp(index), to_grey(colour), colour, std::move(depth_m)};
+  result.T_world_camera = T_world_camera;
+  if (!is_covered(options, index)) {
+    result.objects = sim::visible_objects(rendering, scene, camera.width_px, moving,
+                                          kMinObjectPixels * camera.width_px / 640);
+  }
+  result.mask = sim::mover_mask(rendering, scene, camera);
   return result;
 }
 

@@ -15,10 +15,12 @@ std::uint32_t pack(const Colour& colour) {
          (static_cast<std::uint32_t>(c[2]) << 16U);
 }
 
-Eigen::Array4f unpack(std::uint32_t texel) {
-  const auto bytes = std::bit_cast<std::array<std::uint8_t, 4>>(texel);
-  return {static_cast<float>(bytes[0]), static_cast<float>(bytes[1]), static_cast<float>(bytes[2]),
-          0.0F};
+// Four bytes to four floats in one go, where the processor can (GCC and Clang vector extension).
+using Bytes4 = std::uint8_t __attribute__((vector_size(4)));
+using Floats4 = float __attribute__((vector_size(16)));
+
+Floats4 unpack(std::uint32_t texel) {
+  return __builtin_convertvector(std::bit_cast<Bytes4>(texel), Floats4);
 }
 
 std::vector<std::uint32_t> halve(const std::vector<std::uint32_t>& texels, int width, int height) {
@@ -50,31 +52,7 @@ float quick_log2(float x) {
   return static_cast<float>(bits) * (1.0F / 8388608.0F) - 126.957F;
 }
 
-}  // namespace
-
-Texture::Texture(const Canvas& canvas, Wrap wrap) : wrap_(wrap) {
-  const int width = canvas.width();
-  const int height = canvas.height();
-  const bool powers = std::has_single_bit(static_cast<unsigned>(width)) &&
-                      std::has_single_bit(static_cast<unsigned>(height));
-  if (wrap == Wrap::repeat && !powers) {
-    throw std::logic_error("Texture: a repeating texture needs power-of-two sides");
-  }
-  Level level{width, height, {}};
-  level.texels.reserve(static_cast<std::size_t>(width) * height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) level.texels.push_back(pack(canvas.at(x, y)));
-  }
-  levels_.push_back(std::move(level));
-  while (levels_.back().width > 1 || levels_.back().height > 1) {
-    const Level& fine = levels_.back();
-    Level coarse{std::max(1, fine.width / 2), std::max(1, fine.height / 2),
-                 halve(fine.texels, fine.width, fine.height)};
-    levels_.push_back(std::move(coarse));
-  }
-}
-
-Eigen::Array4f Texture::bilinear(const Level& level, float u, float v) const {
+Floats4 bilinear(const MipLevel& level, Wrap wrap, float u, float v) {
   const float x = std::floor(u - 0.5F);
   const float y = std::floor(v - 0.5F);
   const float fx = u - 0.5F - x;
@@ -83,7 +61,7 @@ Eigen::Array4f Texture::bilinear(const Level& level, float u, float v) const {
   int y0 = static_cast<int>(y);
   int x1 = x0 + 1;
   int y1 = y0 + 1;
-  if (wrap_ == Wrap::repeat) {
+  if (wrap == Wrap::repeat) {
     x0 &= level.width - 1;
     x1 &= level.width - 1;
     y0 &= level.height - 1;
@@ -96,20 +74,44 @@ Eigen::Array4f Texture::bilinear(const Level& level, float u, float v) const {
   }
   const std::uint32_t* upper = &level.texels[static_cast<std::size_t>(y0) * level.width];
   const std::uint32_t* lower = &level.texels[static_cast<std::size_t>(y1) * level.width];
-  const Eigen::Array4f top = unpack(upper[x0]) * (1.0F - fx) + unpack(upper[x1]) * fx;
-  const Eigen::Array4f bottom = unpack(lower[x0]) * (1.0F - fx) + unpack(lower[x1]) * fx;
+  const Floats4 top = unpack(upper[x0]) * (1.0F - fx) + unpack(upper[x1]) * fx;
+  const Floats4 bottom = unpack(lower[x0]) * (1.0F - fx) + unpack(lower[x1]) * fx;
   return top * (1.0F - fy) + bottom * fy;
 }
 
-Eigen::Array4f Texture::trilinear(float u, float v, float lod) const {
-  const auto last = static_cast<int>(levels_.size()) - 1;
-  if (lod <= 0.0F) return bilinear(levels_[0], u, v);
+Floats4 trilinear(const std::vector<MipLevel>& levels, Wrap wrap, float u, float v, float lod) {
+  const auto last = static_cast<int>(levels.size()) - 1;
+  if (lod <= 0.0F) return bilinear(levels[0], wrap, u, v);
   const int fine = std::min(static_cast<int>(lod), last);
   const float scale = std::ldexp(1.0F, -fine);
-  const Eigen::Array4f near = bilinear(levels_[fine], u * scale, v * scale);
+  const Floats4 near = bilinear(levels[fine], wrap, u * scale, v * scale);
   if (fine == last) return near;
-  const Eigen::Array4f far = bilinear(levels_[fine + 1], u * scale * 0.5F, v * scale * 0.5F);
+  const Floats4 far = bilinear(levels[fine + 1], wrap, u * scale * 0.5F, v * scale * 0.5F);
   return near + (lod - static_cast<float>(fine)) * (far - near);
+}
+
+}  // namespace
+
+Texture::Texture(const Canvas& canvas, Wrap wrap) : wrap_(wrap) {
+  const int width = canvas.width();
+  const int height = canvas.height();
+  const bool powers = std::has_single_bit(static_cast<unsigned>(width)) &&
+                      std::has_single_bit(static_cast<unsigned>(height));
+  if (wrap == Wrap::repeat && !powers) {
+    throw std::logic_error("Texture: a repeating texture needs power-of-two sides");
+  }
+  MipLevel level{width, height, {}};
+  level.texels.reserve(static_cast<std::size_t>(width) * height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) level.texels.push_back(pack(canvas.at(x, y)));
+  }
+  levels_.push_back(std::move(level));
+  while (levels_.back().width > 1 || levels_.back().height > 1) {
+    const MipLevel& fine = levels_.back();
+    MipLevel coarse{std::max(1, fine.width / 2), std::max(1, fine.height / 2),
+                    halve(fine.texels, fine.width, fine.height)};
+    levels_.push_back(std::move(coarse));
+  }
 }
 
 Colour Texture::sample(float u, float v, const Footprint& footprint) const {
@@ -127,14 +129,14 @@ Colour Texture::sample(float u, float v, const Footprint& footprint) const {
   major2 = std::max(major2, kTiny);
   const float narrow2 = std::max(minor2, major2 / (kMaxProbes * kMaxProbes));
   const float lod = 0.5F * quick_log2(narrow2) + kBias;
-  const int probes = static_cast<int>(std::sqrt(major2 / narrow2) + 0.5F);
-  if (probes <= 1) return trilinear(u, v, lod).head<3>();
-  Eigen::Array4f sum = Eigen::Array4f::Zero();
+  const int probes = std::max(1, static_cast<int>(std::sqrt(major2 / narrow2) + 0.5F));
+  Floats4 sum{};
   for (int i = 0; i < probes; ++i) {
     const float t = (static_cast<float>(i) + 0.5F) / static_cast<float>(probes) - 0.5F;
-    sum += trilinear(u + t * axis.x(), v + t * axis.y(), lod);
+    sum += trilinear(levels_, wrap_, u + t * axis.x(), v + t * axis.y(), lod);
   }
-  return (sum / static_cast<float>(probes)).head<3>();
+  sum /= static_cast<float>(probes);
+  return {sum[0], sum[1], sum[2]};
 }
 
 }  // namespace ydd::sim

@@ -18,6 +18,13 @@ struct Footprint {
   Vector2 along_y;
 };
 
+/// One level of a mip pyramid.
+struct MipLevel {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint32_t> texels;  ///< blue in the lowest byte, green, red
+};
+
 /// A picture with its mip pyramid, filtered trilinearly along the longer axis of the pixel's
 /// footprint (a few probes, after Feline, McCormack et al. 1999), so that corners stay where they
 /// are from one frame to the next. Immutable after construction.
@@ -32,16 +39,8 @@ class Texture {
   Colour sample(float u, float v, const Footprint& footprint) const;
 
  private:
-  struct Level {
-    int width = 0;
-    int height = 0;
-    std::vector<std::uint32_t> texels;  ///< blue in the lowest byte, green, red
-  };
-  Eigen::Array4f bilinear(const Level& level, float u, float v) const;
-  Eigen::Array4f trilinear(float u, float v, float lod) const;
-
   Wrap wrap_;
-  std::vector<Level> levels_;
+  std::vector<MipLevel> levels_;
 };
 
 }  // namespace ydd::sim
