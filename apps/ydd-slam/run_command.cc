@@ -1,184 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <chrono>
-#include <thread>
+#include <memory>
 
 #include <fmt/format.h>
 
 #include "commands.h"
-#include "progress.h"
-#include "run_folder.h"
 #include "run_job.h"
-#include "ydd/base/files.h"
-#include "ydd/base/log.h"
-#include "ydd/dataset/camera_file.h"
-#include "ydd/dataset/tum_sequence.h"
-#include "ydd/detection/recorded_detections.h"
-#include "ydd/map/map_dump.h"
-#include "ydd/system/run_recorder.h"
 
 namespace ydd::app {
-namespace {
-
-namespace fs = std::filesystem;
-
-/// Real-time pace: which frame is due, and waiting for it.
-class Pace {
- public:
-  explicit Pace(Timestamp first) : first_(first), start_(std::chrono::steady_clock::now()) {}
-
-  void wait_until_due(Timestamp stamp) const { std::this_thread::sleep_until(due(stamp)); }
-  bool is_due(Timestamp stamp) const { return std::chrono::steady_clock::now() >= due(stamp); }
-
- private:
-  std::chrono::steady_clock::time_point due(Timestamp stamp) const {
-    return start_ + std::chrono::nanoseconds(stamp.ns - first_.ns);
-  }
-  Timestamp first_;
-  std::chrono::steady_clock::time_point start_;
-};
-
-Result<SystemOptions> effective_options(const RunRequest& request) {
-  SystemOptions options;
-  OptionTable table;
-  options.describe(table);
-  if (!request.config.empty()) {
-    if (auto r = table.load_yaml(request.config); !r) return r.error();
-  }
-  for (const std::string& assignment : request.set) {
-    if (auto r = table.set_assignment(assignment, "--set"); !r) return r.error();
-  }
-  if (!request.dynamic.empty()) {
-    if (auto r = table.set("dynamics.variant", request.dynamic, "--dynamic"); !r) return r.error();
-  }
-  if (request.deterministic) options.deterministic = true;
-  if (request.seed >= 0) options.tracking.relocalization.seed = request.seed;
-  return options;
-}
-
-Result<std::unique_ptr<Detector>> make_run_detector(const RunRequest& request) {
-  if (request.detections.empty()) return std::unique_ptr<Detector>();
-  Result<DetectionRecording> recording = DetectionRecording::read(request.detections);
-  if (!recording) return recording.error();
-  return std::unique_ptr<Detector>(
-      std::make_unique<RecordedDetector>(std::move(*recording), request.detections));
-}
-
-std::string state_text(const FrameReport& report, const SlamSystem& system) {
-  return fmt::format("{}  {} keyframes  {} points  {} rejected", to_string(report.track.state),
-                     system.atlas()->keyframes().size(), report.track.inliers,
-                     report.observations->rejected.size());
-}
-
-/// Feeds the sequence to the system; the recorder keeps what happened.
-Result<void> feed(const Sequence& sequence, const Camera& camera, const RunRequest& request,
-                  SlamSystem& system, RunRecorder& recorder) {
-  const std::size_t end = request.frames > 0
-                              ? std::min(sequence.size(), static_cast<std::size_t>(request.frames))
-                              : sequence.size();
-  Progress progress(sequence.name(), end, request.quiet);
-  const Pace pace(sequence.entry(0).stamp);
-  for (std::size_t i = 0; i < end; ++i) {
-    if (request.realtime) {
-      // A live camera does not wait: what is overtaken by the next frame is dropped, and counted.
-      if (i + 1 < end && pace.is_due(sequence.entry(i + 1).stamp)) {
-        recorder.add_dropped(1);
-        continue;
-      }
-      pace.wait_until_due(sequence.entry(i).stamp);
-    }
-    Result<RgbdFrame> frame = sequence.read(i, camera);
-    if (!frame) {
-      const std::string reason = fmt::format("frame {}: {}", i, frame.error().message);
-      if (request.strict) return Error{reason};
-      log::warning("{}; skipped", reason);
-      recorder.add_skipped(static_cast<std::int64_t>(i), frame.error().message);
-      continue;
-    }
-    Result<FrameReport> report = system.process(*frame);
-    if (!report) return report.error();
-    recorder.add(*report);
-    progress.update(i + 1, state_text(*report, system));
-  }
-  system.finish();
-  if (recorder.processed() == 0) {
-    return Error{fmt::format("{}: not one frame could be read", sequence.folder().string())};
-  }
-  return {};
-}
-
-Result<void> write_results(const fs::path& folder, const RunRequest& request,
-                           const std::string& config, const SlamSystem& system,
-                           const RunRecorder& recorder, const std::string& summary) {
-  const auto format = parse_trajectory_format(request.trajectory_format);
-  if (!format) return Error{"--trajectory-format: must be tum, kitti or euroc"};
-  const std::string extension = request.trajectory_format == "tum" ? "tum" : "txt";
-  const StampedPoses trajectory = system.trajectory();
-  const std::pair<std::string, std::string> files[] = {
-      {"trajectory.tum", format_trajectory(trajectory, TrajectoryFormat::tum)},
-      {"keyframes.tum", format_trajectory(system.keyframe_trajectory(), TrajectoryFormat::tum)},
-      {"config.yaml", config},
-      {"timings.json", recorder.timings_json(system)},
-      {"summary.json", summary},
-  };
-  for (const auto& [name, content] : files) {
-    if (auto r = write_file_atomically(folder / name, content); !r) return r;
-  }
-  if (*format != TrajectoryFormat::tum) {
-    const std::string name = fmt::format("trajectory.{}.{}", request.trajectory_format, extension);
-    if (auto r = write_trajectory(folder / name, trajectory, *format); !r) return r;
-  }
-  if (request.dump_map) {
-    return write_file_atomically(folder / "map.txt", dump_map(*system.atlas()));
-  }
-  return {};
-}
-
-std::string effective_yaml(SystemOptions options, Camera camera) {
-  OptionTable table;
-  options.describe(table);
-  OptionTable camera_table;
-  camera_table.group("camera", camera);
-  return table.to_yaml() + camera_table.to_yaml();
-}
-
-}  // namespace
-
-Result<RunOutcome> run_sequence(const RunRequest& request) {
-  Result<Sequence> sequence = Sequence::open(request.sequence, request.sequence_options);
-  if (!sequence) return sequence.error();
-  Result<Camera> camera = find_camera(request.sequence, request.camera);
-  if (!camera) return camera.error();
-  Result<SystemOptions> options = effective_options(request);
-  if (!options) return options.error();
-  Result<std::unique_ptr<Detector>> detector = make_run_detector(request);
-  if (!detector) return detector.error();
-  Result<fs::path> folder = make_run_folder(request.out, sequence->name());
-  if (!folder) return folder.error();
-
-  const bool has_detector = *detector != nullptr;
-  SlamSystem system(*camera, *options, ObjectCatalogue::defaults(), std::move(*detector));
-  RunRecorder recorder;
-  const std::int64_t start_ns = wall_clock_ns();
-  if (auto r = feed(*sequence, *camera, request, system, recorder); !r) return r.error();
-  const double wall_s = static_cast<double>(wall_clock_ns() - start_ns) * 1e-9;
-
-  const RunDescription description{
-      sequence->name(),   has_detector ? options->dynamics.variant : "off",
-      request.detections, options->deterministic,
-      request.realtime,   options->tracking.relocalization.seed};
-  const std::string summary = recorder.summary_json(description, system, wall_s);
-  if (auto r = write_results(*folder, request, effective_yaml(*options, *camera), system, recorder,
-                             summary);
-      !r) {
-    return r.error();
-  }
-  return RunOutcome{*folder,
-                    summary,
-                    system.trajectory(),
-                    sequence->groundtruth_file(),
-                    recorder.processed(),
-                    recorder.tracked()};
-}
 
 void add_run_command(CLI::App& app, Job& job) {
   auto request = std::make_shared<RunRequest>();
@@ -191,6 +19,12 @@ void add_run_command(CLI::App& app, Job& job) {
       ->expected(1)
       ->allow_extra_args(false);
   command->add_option("--out", request->out, "Folder for results (default runs/<sequence>-<time>)");
+  command->add_option("--detector", request->detector,
+                      "Detector YAML (configs/detector/): look for objects in every frame");
+  command->add_option("--detector-set", request->detector_set, "Set one detector option: key=value")
+      ->allow_extra_args(false);
+  command->add_option("--objects", request->objects,
+                      "Object catalogue YAML (configs/objects.yaml)");
   command->add_option("--detections", request->detections,
                       "Replay recorded detections (JSON lines)");
   command->add_option("--dynamic", request->dynamic, "What is rejected: off | box | person | full");
@@ -198,7 +32,9 @@ void add_run_command(CLI::App& app, Job& job) {
                       "File that pairs colour and depth images");
   command->add_option("--max-difference", request->sequence_options.max_difference_s,
                       "Largest time between paired images in seconds");
-  command->add_option("--frames", request->frames, "Stop after so many frames");
+  command->add_option("--max-frames", request->max_frames, "Stop after so many frames");
+  command->add_option("--frames", request->pictures,
+                      "Folder for a picture of each frame: boxes, kept and rejected points");
   command->add_option("--seed", request->seed, "Seed of every random choice");
   command
       ->add_option("--trajectory-format", request->trajectory_format,

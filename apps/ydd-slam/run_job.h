@@ -19,12 +19,16 @@ struct RunRequest {
   std::string config;
   std::vector<std::string> set;
   std::string out;
-  std::string detections;
+  std::string detections;  ///< recording to replay
+  std::string detector;    ///< detector file, for looking at the frames themselves
+  std::vector<std::string> detector_set;
+  std::string objects;   ///< object catalogue; empty: the built-in one
+  std::string pictures;  ///< folder for annotated frames; empty: none
   std::string dynamic;
   std::string trajectory_format = "tum";
   SequenceOptions sequence_options;
-  int frames = 0;  ///< 0: all
-  int seed = -1;   ///< negative: as configured
+  int max_frames = 0;  ///< 0: all
+  int seed = -1;       ///< negative: as configured
   bool realtime = false;
   bool deterministic = false;
   bool strict = false;
