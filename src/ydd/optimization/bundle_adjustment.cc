@@ -52,11 +52,15 @@ struct Phase {
 /// `stop`: the state given is the best one then.
 class Minimiser {
  public:
-  Minimiser(const Camera& camera, const Layout& layout, std::stop_token stop)
-      : k_(camera), layout_(layout), solver_(layout), stop_(std::move(stop)) {}
+  Minimiser(const Camera& camera, const Layout& layout, double relative_decrease,
+            std::stop_token stop)
+      : k_(camera),
+        layout_(layout),
+        solver_(layout),
+        relative_decrease_(relative_decrease),
+        stop_(std::move(stop)) {}
 
   Phase run(State state, const Flags& active, const Loss& loss, int most_iterations) {
-    constexpr double kRelativeDecrease = 1e-6;
     constexpr double kRounding = 1e-12;
     constexpr double kMostDamping = 1e12;
     Damping damping;
@@ -82,7 +86,7 @@ class Minimiser {
       damping.accept(decrease / step->predicted_decrease);
       phase.state = std::move(trial);
       linearised = false;
-      if (decrease < kRelativeDecrease * at_.cost) break;
+      if (decrease < relative_decrease_ * at_.cost) break;
     }
     return phase;
   }
@@ -91,6 +95,7 @@ class Minimiser {
   Intrinsics k_;
   const Layout& layout_;
   bundle::SchurSolver solver_;
+  double relative_decrease_;
   std::stop_token stop_;
   bundle::NormalEquations at_;
 };
@@ -122,6 +127,8 @@ void BundleOptions::describe(OptionTable& t) {
   t.add("final_iterations", final_iterations, {0, 1000}, "", "iterations without outliers");
   t.add("chi2_mono", chi2_mono, {0.1, 1000.0}, "", "inlier gate without a depth reading");
   t.add("chi2_stereo", chi2_stereo, {0.1, 1000.0}, "", "inlier gate with a depth reading");
+  t.add("relative_decrease", relative_decrease, {0.0, 0.1}, "",
+        "a step that lowers the cost by a smaller share ends its phase");
 }
 
 BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
@@ -131,7 +138,7 @@ BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
   const Flags usable = usable_entries(layout);
   const Loss robust{options.chi2_mono, options.chi2_stereo, true};
   const Loss plain{options.chi2_mono, options.chi2_stereo, false};
-  Minimiser minimiser(camera, layout, stop);
+  Minimiser minimiser(camera, layout, options.relative_decrease, stop);
   State state = state_of(problem);
 
   BundleResult result;

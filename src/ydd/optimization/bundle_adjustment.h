@@ -34,6 +34,7 @@ struct BundleOptions {
   int final_iterations = 10;  ///< without them
   double chi2_mono = 5.991;
   double chi2_stereo = 7.815;
+  double relative_decrease = 1e-6;  ///< a step that lowers the cost by less ends its phase
   void describe(OptionTable& table);
 };
 

@@ -75,8 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
                     NoiseFreeCase{"AllWithDepth", {.noise = 0.0, .mono_share = 0.0}},
                     NoiseFreeCase{"HardlyAnyDepth",
                                   {.poses = 5, .points = 100, .noise = 0.0, .mono_share = 0.9}},
-                    NoiseFreeCase{"Sparse",
-                                  {.poses = 110, .points = 800, .noise = 0.0, .path_m = 40.0}}),
+                    NoiseFreeCase{"LongPath",
+                                  {.poses = 80, .points = 600, .noise = 0.0, .path_m = 30.0}}),
     [](const auto& c) { return c.param.name; });
 
 TEST(BundleAdjustment, KeepsFixedPosesToTheBit) {

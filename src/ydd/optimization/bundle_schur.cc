@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-#include <Eigen/SparseCholesky>
+#include "ydd/optimization/tile_cholesky.h"
 
 namespace ydd::bundle {
 namespace {
@@ -15,10 +14,6 @@ using Eigen::Vector3d;
 
 /// Where nothing is observed the damped diagonal is still positive.
 constexpr double kLeastDiagonal = 1e-9;
-/// Up to this many free poses the dense factorisation is always the faster one.
-constexpr int kDenseColumns = 80;
-/// Beyond it, dense still wins when at least this share of pairs of poses shares a point.
-constexpr double kDenseFill = 0.6;
 
 /// Inverse of the Cholesky factor of the damped 3x3 block: inverse(V) = F' F with F lower.
 Matrix3d inverse_factor(const Matrix3d& hessian, double lambda) {
@@ -40,14 +35,39 @@ Matrix3d inverse_factor(const Matrix3d& hessian, double lambda) {
   return f;
 }
 
+/// `block -= a * b'`. A column of six is taken as four and two, the widths that processors have;
+/// left to itself Eigen takes three times two, and this is where most of the time goes.
+void subtract_product(TileCholesky::Block block, const Matrix63d& a, const Matrix63d& b) {
+  const Eigen::Matrix<double, 4, 3> top = a.topRows<4>();
+  const Eigen::Matrix<double, 2, 3> bottom = a.bottomRows<2>();
+  for (int c = 0; c < 6; ++c) {
+    Eigen::Map<Eigen::Vector4d> upper(&block(0, c));
+    Eigen::Map<Eigen::Vector2d> lower(&block(4, c));
+    upper -= top.col(0) * b(c, 0) + top.col(1) * b(c, 1) + top.col(2) * b(c, 2);
+    lower -= bottom.col(0) * b(c, 0) + bottom.col(1) * b(c, 1) + bottom.col(2) * b(c, 2);
+  }
+}
+
+/// Poses that share a point are coupled.
+TileCholesky::Pattern pattern_of(const Layout& layout) {
+  TileCholesky::Pattern pattern(layout.columns());
+  for (int j = 0; j < layout.points(); ++j) {
+    for (int a = layout.first[j]; a < layout.first[j + 1]; ++a) {
+      if (layout.entries[a].column < 0) continue;
+      for (int b = layout.first[j]; b <= a; ++b) {
+        if (layout.entries[b].column < 0) continue;
+        pattern.add(layout.entries[a].column, layout.entries[b].column);
+      }
+    }
+  }
+  return pattern;
+}
+
 }  // namespace
 
-/// The reduced system: S, upper blocks only, and its right-hand side.
+/// The reduced system: S, lower blocks, and its right-hand side; scratch of the elimination.
 struct SchurSolver::Reduced {
   explicit Reduced(const Layout& layout);
-
-  int& index(int row, int col) { return block_of[static_cast<std::size_t>(row) * columns + col]; }
-  bool is_dense() const { return sparse.size() == 0; }
 
   void start(const NormalEquations& n, double lambda);
   void eliminate(const Layout& layout, const NormalEquations& n,
@@ -55,75 +75,23 @@ struct SchurSolver::Reduced {
   std::optional<Eigen::VectorXd> factorise_and_solve();
 
   int columns = 0;
-  std::vector<int> block_of;  ///< columns x columns; -1: no common point
-  std::vector<Matrix6d> blocks;
+  TileCholesky matrix;
   Eigen::VectorXd rhs;
   std::vector<Matrix3d> point_factor;  ///< inverse Cholesky factors
-  std::vector<Matrix63d> eliminated;   ///< scratch, per entry of one point
+  std::vector<Matrix63d> eliminated;   ///< per entry of one point
   std::vector<int> eliminated_column;
-
-  Eigen::MatrixXd dense;
-  Eigen::SparseMatrix<double> sparse;  ///< upper blocks, whole columns of each
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Upper> sparse_solver;
-
- private:
-  void find_blocks(const Layout& layout);
-  void prepare_sparse();
-  std::optional<Eigen::VectorXd> solve_dense();
-  std::optional<Eigen::VectorXd> solve_sparse();
 };
 
-SchurSolver::Reduced::Reduced(const Layout& layout) : columns(layout.columns()) {
-  find_blocks(layout);
-  rhs.resize(6 * columns);
-  point_factor.resize(layout.points());
-  const double pairs = 0.5 * columns * (columns + 1.0);
-  if (columns > kDenseColumns && static_cast<double>(blocks.size()) < kDenseFill * pairs) {
-    prepare_sparse();
-  } else {
-    dense.resize(6 * columns, 6 * columns);
-  }
-}
-
-void SchurSolver::Reduced::find_blocks(const Layout& layout) {
-  block_of.assign(static_cast<std::size_t>(columns) * columns, -1);
-  for (int c = 0; c < columns; ++c) index(c, c) = 0;
-  for (int j = 0; j < layout.points(); ++j) {
-    for (int a = layout.first[j]; a < layout.first[j + 1]; ++a) {
-      if (layout.entries[a].column < 0) continue;
-      for (int b = a + 1; b < layout.first[j + 1]; ++b) {
-        if (layout.entries[b].column < 0) continue;
-        index(layout.entries[a].column, layout.entries[b].column) = 0;
-      }
-    }
-  }
-  int count = 0;
-  for (int& i : block_of) {
-    if (i == 0) i = count++;
-  }
-  blocks.resize(count);
-}
-
-/// All six rows of every upper block take part, diagonal blocks too: one pattern, simple copies.
-void SchurSolver::Reduced::prepare_sparse() {
-  sparse.resize(6 * columns, 6 * columns);
-  std::vector<Eigen::Triplet<double>> triplets;
-  for (int col = 0; col < columns; ++col) {
-    for (int row = 0; row <= col; ++row) {
-      if (index(row, col) < 0) continue;
-      for (int c = 0; c < 6; ++c) {
-        for (int r = 0; r < 6; ++r) triplets.emplace_back(6 * row + r, 6 * col + c, 1.0);
-      }
-    }
-  }
-  sparse.setFromTriplets(triplets.begin(), triplets.end());
-  sparse_solver.analyzePattern(sparse);
-}
+SchurSolver::Reduced::Reduced(const Layout& layout)
+    : columns(layout.columns()),
+      matrix(pattern_of(layout)),
+      rhs(6 * columns),
+      point_factor(layout.points()) {}
 
 void SchurSolver::Reduced::start(const NormalEquations& n, double lambda) {
-  for (Matrix6d& block : blocks) block.setZero();
+  matrix.clear();
   for (int c = 0; c < columns; ++c) {
-    Matrix6d& block = blocks[index(c, c)];
+    auto block = matrix.block(c, c);
     block = n.pose_hessian[c];
     block.diagonal() *= 1.0 + lambda;
     block.diagonal().array() += kLeastDiagonal;
@@ -147,50 +115,21 @@ void SchurSolver::Reduced::eliminate(const Layout& layout, const NormalEquations
     rhs.segment<6>(6 * column).noalias() += eliminated.back() * fg;
   }
   for (std::size_t a = 0; a < eliminated.size(); ++a) {
-    const int row = eliminated_column[a];
-    for (std::size_t b = a; b < eliminated.size(); ++b) {
-      Matrix6d& block = blocks[index(row, eliminated_column[b])];
-      block.noalias() -= eliminated[a].lazyProduct(eliminated[b].transpose());
-      if (b != a && eliminated_column[b] == row) {  // one pose sees the point twice
-        block.noalias() -= eliminated[b].lazyProduct(eliminated[a].transpose());
+    for (std::size_t b = 0; b <= a; ++b) {
+      const TileCholesky::Block block = matrix.block(eliminated_column[a], eliminated_column[b]);
+      subtract_product(block, eliminated[a], eliminated[b]);
+      if (a != b && eliminated_column[a] == eliminated_column[b]) {  // a pose sees the point twice
+        subtract_product(block, eliminated[b], eliminated[a]);
       }
     }
   }
 }
 
 std::optional<Eigen::VectorXd> SchurSolver::Reduced::factorise_and_solve() {
-  auto solution = is_dense() ? solve_dense() : solve_sparse();
-  if (solution && !solution->allFinite()) return std::nullopt;
+  if (!matrix.factorise()) return std::nullopt;
+  Eigen::VectorXd solution = matrix.solve(rhs);
+  if (!solution.allFinite()) return std::nullopt;
   return solution;
-}
-
-std::optional<Eigen::VectorXd> SchurSolver::Reduced::solve_dense() {
-  dense.setZero();
-  for (int col = 0; col < columns; ++col) {
-    for (int row = 0; row <= col; ++row) {
-      const int i = index(row, col);
-      if (i >= 0) dense.block<6, 6>(6 * col, 6 * row) = blocks[i].transpose();
-    }
-  }
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(dense);
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  return llt.solve(rhs);
-}
-
-std::optional<Eigen::VectorXd> SchurSolver::Reduced::solve_sparse() {
-  for (int col = 0; col < columns; ++col) {
-    for (int c = 0; c < 6; ++c) {
-      double* value = sparse.valuePtr() + sparse.outerIndexPtr()[6 * col + c];
-      for (int row = 0; row <= col; ++row) {
-        const int i = index(row, col);
-        if (i < 0) continue;
-        for (int r = 0; r < 6; ++r) *value++ = blocks[i](r, c);
-      }
-    }
-  }
-  sparse_solver.factorize(sparse);
-  if (sparse_solver.info() != Eigen::Success) return std::nullopt;
-  return Eigen::VectorXd(sparse_solver.solve(rhs));
 }
 
 SchurSolver::SchurSolver(const Layout& layout)

@@ -19,8 +19,7 @@ struct Step {
 
 /// Solves the damped normal equations by eliminating the points (Schur complement; Triggs et al.,
 /// Bundle adjustment - a modern synthesis, 2000, section 6.1). The reduced system of the poses is
-/// factorised densely when it is small or full, else as a sparse matrix whose ordering is found
-/// once. Memory: one 6x6 block per pair of poses that share a point.
+/// factorised by TileCholesky, its pattern found once.
 class SchurSolver {
  public:
   explicit SchurSolver(const Layout& layout);

@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"Small", {.poses = 6, .points = 60}},
                     Case{"SeenTwice", {.poses = 4, .points = 40}, true},
                     Case{"PosesAllFixed", {.poses = 3, .points = 20, .fixed_poses = 3}},
-                    Case{"Sparse", {.poses = 100, .points = 150, .path_m = 40.0}}),
+                    Case{"LongPath", {.poses = 60, .points = 100, .path_m = 30.0}}),
     [](const auto& c) { return c.param.name; });
 
 TEST(BundleSchur, GivesNothingWhenTheSystemIsNotFinite) {
