@@ -21,7 +21,7 @@ struct MapperOptions {
   TriangulationOptions triangulation;
   MatchLimits match;
   int min_covisible_weight = 15;
-  int min_depth_points = 100;
+  int min_depth_points = 10000;
   double close_depth_m = 3.0;
   int fuse_neighbours = 10;
   double fuse_radius_px = 3.0;
