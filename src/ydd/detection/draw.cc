@@ -57,17 +57,17 @@ ColourImage draw_detections(const ColourImage& image, const Detections& detectio
   if (image.empty()) return image;
   std::vector<Bgr> pixels(image.data(), image.data() + std::size_t(image.width()) * image.height());
   cv::Mat canvas(image.height(), image.width(), CV_8UC3, pixels.data());
-  // The weakest first: the strongest end up on top.
-  for (auto d = detections.rbegin(); d != detections.rend(); ++d) {
-    const Subcategory subcategory = catalogue.subcategory_of(d->class_name);
+  const Detections weakest_first(detections.rbegin(), detections.rend());
+  for (const Detection& d : weakest_first) {  // the strongest end up on top
+    const Subcategory subcategory = catalogue.subcategory_of(d.class_name);
     const Bgr colour = colour_of(category_of(subcategory));
-    const cv::Rect box = pixels_of(d->box);
+    const cv::Rect box = pixels_of(d.box);
     cv::rectangle(canvas, box, scalar(colour), 2);
     if (subcategory == Subcategory::person) {
       cv::drawMarker(canvas, {box.x + box.width / 2, box.y + box.height / 2}, scalar(colour),
                      cv::MARKER_CROSS, 12, 2);
     }
-    draw_label(canvas, box, fmt::format("{} {:.2f}", d->class_name, d->score), colour);
+    draw_label(canvas, box, fmt::format("{} {:.2f}", d.class_name, d.score), colour);
   }
   return {image.width(), image.height(), std::move(pixels)};
 }

@@ -34,6 +34,7 @@ Result<path> find_model(const NetworkConfig& network, const DetectorConfig& conf
   });
   if (found != places.end()) return *found;
   std::vector<std::string> texts;
+  texts.reserve(places.size());
   for (const path& place : places) texts.push_back(place.string());
   return Error{fmt::format(
       "{}: networks.{}.model: there is no file {}; set the environment variable YDD_MODELS to the "

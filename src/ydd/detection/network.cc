@@ -39,8 +39,8 @@ std::string reason_of(const cv::Exception& e) {
 
 class OpenCvSession : public InferenceSession {
  public:
-  explicit OpenCvSession(cv::dnn::Net net)
-      : net_(std::move(net)), output_names_(net_.getUnconnectedOutLayersNames()) {}
+  explicit OpenCvSession(const cv::dnn::Net& net)  // a handle
+      : net_(net), output_names_(net_.getUnconnectedOutLayersNames()) {}
 
   Result<std::vector<Tensor>> run(const Tensor& input) override {
     const QuietOpenCv quiet;
@@ -75,22 +75,22 @@ class OpenCvSession : public InferenceSession {
 };
 
 Result<void> choose_backend(cv::dnn::Net& net, const InferenceOptions& options) {
-  using namespace cv::dnn;
   if (options.backend == "cpu") {
     if (options.fp16) return Error{"fp16 needs 'backend: cuda'"};
-    net.setPreferableBackend(DNN_BACKEND_OPENCV);
-    net.setPreferableTarget(DNN_TARGET_CPU);
+    net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
+    net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
     return {};
   }
-  const Target target = options.fp16 ? DNN_TARGET_CUDA_FP16 : DNN_TARGET_CUDA;
-  const std::vector<Target> targets = getAvailableTargets(DNN_BACKEND_CUDA);
+  const cv::dnn::Target target =
+      options.fp16 ? cv::dnn::DNN_TARGET_CUDA_FP16 : cv::dnn::DNN_TARGET_CUDA;
+  const auto targets = cv::dnn::getAvailableTargets(cv::dnn::DNN_BACKEND_CUDA);
   if (std::find(targets.begin(), targets.end(), target) == targets.end()) {
     return Error{fmt::format(
         "'backend: cuda'{} is not available: this OpenCV was built without CUDA or finds no such "
         "GPU; use 'backend: cpu'",
         options.fp16 ? " with fp16" : "")};
   }
-  net.setPreferableBackend(DNN_BACKEND_CUDA);
+  net.setPreferableBackend(cv::dnn::DNN_BACKEND_CUDA);
   net.setPreferableTarget(target);
   return {};
 }
@@ -122,7 +122,7 @@ Result<std::unique_ptr<InferenceSession>> load_network(const std::filesystem::pa
     if (auto chosen = choose_backend(net, options); !chosen) {
       return failure(chosen.error().message);
     }
-    return std::unique_ptr<InferenceSession>(std::make_unique<OpenCvSession>(std::move(net)));
+    return std::unique_ptr<InferenceSession>(std::make_unique<OpenCvSession>(net));
   } catch (const cv::Exception& e) {
     return failure(fmt::format("OpenCV {} cannot load it: {}", CV_VERSION, reason_of(e)));
   }

@@ -36,6 +36,11 @@ constexpr std::array<std::array<Anchor, kAnchorsPerCell>, 3> kYolov5Anchors = {
      {{{30, 61}, {62, 45}, {59, 119}}},
      {{{116, 90}, {156, 198}, {373, 326}}}}};
 
+/// Box, objectness, classes.
+std::size_t row_size(const YoloShape& shape) {
+  return std::size_t{5} + static_cast<std::size_t>(shape.class_count);
+}
+
 int cell_count(const YoloShape& shape) {
   int cells = 0;
   for (const int s : kStrides) cells += (shape.width_px / s) * (shape.height_px / s);
@@ -62,6 +67,7 @@ std::vector<std::vector<int>> expected_shapes(YoloKind kind, const YoloShape& sh
   }
   const int channels = kind == YoloKind::yolox_heads ? row : kAnchorsPerCell * row;
   std::vector<std::vector<int>> shapes;
+  shapes.reserve(kStrides.size());
   for (const int s : kStrides) shapes.push_back(head_shape(shape, s, channels));
   return shapes;
 }
@@ -74,12 +80,14 @@ const Tensor* find_shape(std::span<const Tensor> outputs, const std::vector<int>
 
 std::string format_shapes(const std::vector<std::vector<int>>& shapes) {
   std::vector<std::string> texts;
+  texts.reserve(shapes.size());
   for (const auto& shape : shapes) texts.push_back(format_shape(shape));
   return fmt::format("{}", fmt::join(texts, " "));
 }
 
 std::string describe(std::span<const Tensor> outputs, const YoloShape& shape) {
   std::vector<std::vector<int>> shapes;
+  shapes.reserve(outputs.size());
   for (const Tensor& t : outputs) shapes.push_back(t.shape);
   return fmt::format("gives {} for {} classes at {} x {}", format_shapes(shapes), shape.class_count,
                      shape.width_px, shape.height_px);
@@ -116,6 +124,17 @@ bool is_finite(const Box& b) {
   return std::isfinite(b.x0) && std::isfinite(b.y0) && std::isfinite(b.x1) && std::isfinite(b.y1);
 }
 
+/// Column and row of the cell with this number.
+struct Cell {
+  Cell(std::size_t number, int grid_width) {
+    const int i = static_cast<int>(number);
+    const int row = i / grid_width;
+    gx = static_cast<float>(i - row * grid_width);
+    gy = static_cast<float>(row);
+  }
+  float gx = 0, gy = 0;
+};
+
 struct BestClass {
   int index = 0;
   float value = 0;
@@ -149,8 +168,8 @@ class Collector {
 
 /// Rows `cx cy w h objectness class...` in input pixels.
 void decode_rows(const Tensor& output, const YoloShape& shape, Collector& out) {
-  const auto row_size = static_cast<std::size_t>(5 + shape.class_count);
-  for (std::size_t at = 0; at + row_size <= output.values.size(); at += row_size) {
+  const std::size_t size = row_size(shape);
+  for (std::size_t at = 0; at + size <= output.values.size(); at += size) {
     const float* row = output.values.data() + at;
     if (!out.reaches(row[4])) continue;  // the score can only be smaller
     const BestClass best = best_class(row + 5, shape.class_count, 1);
@@ -191,17 +210,15 @@ void decode_yolov5_head(const Tensor& head, const YoloShape& shape, std::size_t 
       logits ? logit(std::clamp(score_threshold, 1e-6F, 1.0F - 1e-6F)) - 1e-3F : score_threshold;
   for (std::size_t a = 0; a < kAnchorsPerCell; ++a) {
     const Anchor& anchor = kYolov5Anchors[level][a];
-    const float* t =
-        head.values.data() + a * static_cast<std::size_t>(5 + shape.class_count) * plane;
+    const float* t = head.values.data() + a * row_size(shape) * plane;
     for (std::size_t i = 0; i < plane; ++i) {
       if (!(t[4 * plane + i] >= least_objectness)) continue;
       const BestClass best = best_class(t + 5 * plane + i, shape.class_count, plane);
-      const auto gx = static_cast<float>(static_cast<int>(i) % grid_width);
-      const auto gy = static_cast<float>(static_cast<int>(i) / grid_width);
+      const Cell cell(i, grid_width);
       const float w = 2.0F * probability(t[2 * plane + i]);
       const float h = 2.0F * probability(t[3 * plane + i]);
-      out.add(centred((2.0F * probability(t[i]) - 0.5F + gx) * stride,
-                      (2.0F * probability(t[plane + i]) - 0.5F + gy) * stride,
+      out.add(centred((2.0F * probability(t[i]) - 0.5F + cell.gx) * stride,
+                      (2.0F * probability(t[plane + i]) - 0.5F + cell.gy) * stride,
                       w * w * anchor.width_px, h * h * anchor.height_px),
               best.index, probability(t[4 * plane + i]) * probability(best.value));
     }
@@ -221,9 +238,8 @@ void decode_yolox_head(const Tensor& head, const YoloShape& shape, std::size_t l
     const float objectness = t[4 * plane + i];
     if (!out.reaches(objectness)) continue;
     const BestClass best = best_class(t + 5 * plane + i, shape.class_count, plane);
-    const auto gx = static_cast<float>(static_cast<int>(i) % grid_width);
-    const auto gy = static_cast<float>(static_cast<int>(i) / grid_width);
-    out.add(centred((t[i] + gx) * stride, (t[plane + i] + gy) * stride,
+    const Cell cell(i, grid_width);
+    out.add(centred((t[i] + cell.gx) * stride, (t[plane + i] + cell.gy) * stride,
                     std::exp(t[2 * plane + i]) * stride, std::exp(t[3 * plane + i]) * stride),
             best.index, objectness * best.value);
   }
@@ -247,6 +263,7 @@ std::optional<YoloKind> parse_yolo_kind(std::string_view text) {
 
 std::vector<std::string> yolo_kind_names() {
   std::vector<std::string> names;
+  names.reserve(kKinds.size());
   for (const NamedKind& k : kKinds) names.emplace_back(k.name);
   return names;
 }
@@ -259,6 +276,7 @@ Result<YoloKind> recognise_yolo(std::span<const Tensor> outputs, const YoloShape
     return all_probabilities(*heads) ? YoloKind::yolov5_heads : YoloKind::yolov5_logits;
   }
   std::vector<std::string> known;
+  known.reserve(kKinds.size());
   for (const NamedKind& k : kKinds) {
     known.push_back(fmt::format("{} {}", k.name, format_shapes(expected_shapes(k.kind, shape))));
   }
