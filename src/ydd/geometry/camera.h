@@ -25,9 +25,10 @@ struct Camera {
   double max_depth_m = 10.0;    ///< farther readings are invalid
   double fps = 30.0;
   /// Baseline of the virtual stereo pair in which a depth reading becomes a right-image
-  /// coordinate: `u_right = u - fx * baseline_m / depth`. For structured light the distance
-  /// between projector and camera, so that its noise is about constant in that coordinate.
-  double baseline_m = 0.075;
+  /// coordinate: `u_right = u - fx * baseline_m / depth`. It sets how much a depth reading weighs
+  /// against pixels: its error is taken as one pixel of that coordinate. 0.15 m, twice the distance
+  /// between projector and camera of a Kinect, measured best over real and simulated sequences.
+  double baseline_m = 0.15;
 
   void describe(OptionTable& table);
 
