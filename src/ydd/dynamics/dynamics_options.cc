@@ -44,25 +44,54 @@ void CompensationOptions::describe(OptionTable& table) {
   table.add("most_points", most_points, {50, 100000}, "", "points never exceeded by compensation");
 }
 
+void ConnectedThingOptions::describe(OptionTable& table) {
+  table.add("cell_px", cell_px, {1, 32}, "px", "step at which the depth image is looked at");
+  table.add("step_share", step_share, {0.001, 1}, "",
+            "largest step in depth between neighbouring cells of one surface, share of the depth");
+  table.add("reach_m", reach_m, {0, 5}, "m",
+            "a surface that goes on further from the body's box is furniture");
+  table.add("focal_share", focal_share, {0.1, 5}, "",
+            "focal length as share of the image width, to turn reach_m into pixels");
+  table.add("least_cells", least_cells, {1, 10000}, "", "cells of a surface that counts");
+}
+
+void BridgingOptions::describe(OptionTable& table) {
+  table.add("frames", frames, {0, 100}, "frames", "how long a missed person is carried on");
+  table.add("seen", seen, {1, 100}, "frames", "how often it must have been seen before");
+  table.add("overlap", overlap, {0.01, 1}, "",
+            "intersection over union that makes two boxes the same person");
+}
+
 void RefinementOptions::describe(OptionTable& table) {
   table.add("enabled", enabled, "what goes beyond the article; false: exactly the article's rules");
+  table.add("uncovered_heads", uncovered_heads,
+            "a head whose centre is behind a hand or a small object is measured beside it");
   table.add("own_heads", own_heads, "a head belongs to one person only when persons overlap");
   table.add("entangled_by_head", entangled_by_head,
             "an entangled person with a head of its own is judged by that head's depth");
+  table.add("entangled_by_rest", entangled_by_rest,
+            "an entangled person without a head is judged by what the others leave of its box");
+  table.add("rest_share", rest_share, {0, 1}, "",
+            "share of the readings in the box that the others must leave");
   table.add("any_hand", any_hand, "objects are moved by hands of overlapping persons too");
   table.add("lone_parts", lone_parts, "a head or hand without a person is judged by itself");
   table.add("surrounded", surrounded,
             "a point without depth is rejected when the readings round it are on a moving thing");
   table.add("surround_px", surround_px, {1, 100}, "px", "how far these readings are looked for");
-  table.add("surround_share", surround_share, {0, 1}, "",
-            "share of these readings that must lie on the moving thing");
+  table.add("surround_axes", surround_axes, {1, 4}, "",
+            "of the four axes through the point, how many must end on the moving thing both ways");
+  table.add("connected", connected, "what sticks out of a body's box moves with it");
+  table.group("connected_things", connected_things);
+  table.add("bridging", bridging, "persons missed for a few frames are carried on");
+  table.group("bridge", bridge);
 }
 
 RefinementOptions RefinementOptions::effective() const {
   RefinementOptions result = *this;
   if (enabled) return result;
-  for (bool* refinement : {&result.own_heads, &result.entangled_by_head, &result.any_hand,
-                           &result.lone_parts, &result.surrounded}) {
+  for (bool* refinement : {&result.uncovered_heads, &result.own_heads, &result.entangled_by_head,
+                           &result.entangled_by_rest, &result.any_hand, &result.lone_parts,
+                           &result.surrounded, &result.connected, &result.bridging}) {
     *refinement = false;
   }
   return result;

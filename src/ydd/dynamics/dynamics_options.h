@@ -46,16 +46,41 @@ struct CompensationOptions {
   void describe(OptionTable& table);
 };
 
+/// Beyond the article: what sticks out of the box of a body.
+struct ConnectedThingOptions {
+  int cell_px = 4;            ///< step at which the depth image is looked at
+  double step_share = 0.03;   ///< of the depth: largest step between cells of one surface
+  double reach_m = 0.4;       ///< a surface that goes on further from the box is furniture
+  double focal_share = 0.85;  ///< focal length as share of the image width; need not be exact
+  int least_cells = 4;        ///< of a surface that counts
+  void describe(OptionTable& table);
+};
+
+/// Beyond the article: persons that the detector misses for a few frames.
+struct BridgingOptions {
+  int frames = 3;        ///< carried on for at most so many
+  int seen = 3;          ///< only what was seen in so many
+  double overlap = 0.3;  ///< intersection over union that makes two boxes the same person
+  void describe(OptionTable& table);
+};
+
 /// What goes beyond the article; each can be switched off by itself (docs/method.md, section 10).
 struct RefinementOptions {
   bool enabled = true;            ///< false: exactly the article's rules
+  bool uncovered_heads = true;    ///< a head behind a hand is measured beside the hand
   bool own_heads = true;          ///< a head belongs to one person only when persons overlap
   bool entangled_by_head = true;  ///< an entangled person with a head of its own keeps its range
+  bool entangled_by_rest = true;  ///< one without a head is judged by what the others leave of it
+  double rest_share = 0.05;       ///< of the readings in its box that must be left
   bool any_hand = true;           ///< objects are moved by hands of overlapping persons too
   bool lone_parts = true;         ///< a head or hand without a person is judged by itself
   bool surrounded = true;         ///< a point without depth goes when the readings round it go
   int surround_px = 24;           ///< how far these readings are looked for
-  double surround_share = 0.85;   ///< share of them that must lie on something that moves
+  int surround_axes = 3;          ///< of four axes through the point, that end on it both ways
+  bool connected = true;          ///< what sticks out of a body's box moves with it
+  ConnectedThingOptions connected_things;
+  bool bridging = true;  ///< persons missed for a few frames are carried on
+  BridgingOptions bridge;
   /// As set, or with every refinement off unless `enabled`.
   RefinementOptions effective() const;
   void describe(OptionTable& table);

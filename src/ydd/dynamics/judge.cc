@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "ydd/dynamics/compensation.h"
+#include "ydd/dynamics/connected_things.h"
 #include "ydd/dynamics/moving_regions.h"
 
 namespace ydd {
@@ -21,6 +22,7 @@ std::vector<ObjectJudgement> explain(const Scene& scene, std::span<const MovingR
     judgements[i].depth_m = object.depth_m;
   }
   for (const MovingRegion& region : regions) {
+    if (region.object < 0 || region.rule == Rule::connected) continue;  // nothing detected
     judgements[region.object].rule = region.rule;
     judgements[region.object].range = region.range;
   }
@@ -40,8 +42,33 @@ PointRuleOptions point_rule_options(const DynamicsOptions& options) {
   const RefinementOptions refinement = options.refinement.effective();
   result.edge_radius_px = static_cast<float>(options.edge_radius_px);
   result.surround_px = refinement.surrounded ? refinement.surround_px : 0;
-  result.surround_share = refinement.surround_share;
+  result.surround_axes = refinement.surround_axes;
   return result;
+}
+
+/// Judges the points of a scene whose bodies (and bodies carried over from earlier frames) are
+/// known.
+Judgement judge_scene(const DynamicsOptions& options, const Scene& scene,
+                      std::vector<MovingRegion> regions, const Features& features) {
+  const auto bodies = static_cast<std::ptrdiff_t>(regions.size());
+  const std::vector<MovingRegion> things = thing_regions(scene, options);
+  regions.insert(regions.end(), things.begin(), things.end());
+  if (options.parsed_variant() == Variant::full && options.refinement.effective().connected) {
+    const std::vector<MovingRegion> connected = connected_things(
+        scene.depth_m, std::span(regions).first(bodies), options.refinement.connected_things);
+    regions.insert(regions.end(), connected.begin(), connected.end());
+  }
+  Judgement judgement;
+  judgement.dynamic_frame = true;
+  judgement.objects = explain(scene, regions);
+  judgement.rules.reserve(features.size());
+  const PointRuleOptions point_options = point_rule_options(options);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const PointSample point{features.keypoints[i].x_px, features.keypoints[i].y_px,
+                            features.depth_m[i]};
+    judgement.rules.push_back(rule_of(point, regions, scene.depth_m, point_options));
+  }
+  return judgement;
 }
 
 }  // namespace
@@ -55,18 +82,7 @@ Judgement judge_frame(const DynamicsOptions& options, const ObjectCatalogue& cat
                       const Features& features, const Detections& detections,
                       const DepthImage& depth_m) {
   const Scene scene = make_scene(detections, catalogue, depth_m, options);
-  const std::vector<MovingRegion> regions = moving_regions(scene, options);
-  const PointRuleOptions point_options = point_rule_options(options);
-  Judgement judgement;
-  judgement.dynamic_frame = true;
-  judgement.objects = explain(scene, regions);
-  judgement.rules.reserve(features.size());
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    const PointSample point{features.keypoints[i].x_px, features.keypoints[i].y_px,
-                            features.depth_m[i]};
-    judgement.rules.push_back(rule_of(point, regions, depth_m, point_options));
-  }
-  return judgement;
+  return judge_scene(options, scene, body_regions(scene, options), features);
 }
 
 Observations observe(const Features& features, const Judgement& judgement) {
@@ -99,13 +115,27 @@ Judgement DynamicsJudge::judge(const Features& features, const Detections& detec
   const bool dynamic_frame = switch_.step(has_dynamic_object(detections, catalogue_));
   Judgement judgement;
   if (dynamic_frame) {
-    judgement = judge_frame(options_, catalogue_, features, detections, depth_m);
+    const Scene scene = make_scene(detections, catalogue_, depth_m, options_);
+    std::vector<MovingRegion> bodies = body_regions(scene, options_);
+    const std::vector<MovingRegion> carried = carry(bodies, depth_m);
+    bodies.insert(bodies.end(), carried.begin(), carried.end());
+    judgement = judge_scene(options_, scene, std::move(bodies), features);
   } else {
+    tracks_.clear();
     judgement.rules.assign(features.size(), Rule::kept);
   }
   budget_ = next_budget(static_cast<int>(features.size()), judgement.rejected(), dynamic_frame,
                         options_.compensation);
   return judgement;
+}
+
+std::vector<MovingRegion> DynamicsJudge::carry(const std::vector<MovingRegion>& bodies,
+                                               const DepthImage& depth_m) {
+  const RefinementOptions refinement = options_.refinement.effective();
+  if (options_.parsed_variant() != Variant::full || !refinement.bridging) return {};
+  Bridging bridging = bridge(tracks_, bodies, depth_m.width(), depth_m.height(), refinement.bridge);
+  tracks_ = std::move(bridging.tracks);
+  return std::move(bridging.regions);
 }
 
 }  // namespace ydd

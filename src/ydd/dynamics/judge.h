@@ -7,6 +7,7 @@
 
 #include "ydd/detection/detection.h"
 #include "ydd/detection/object_catalogue.h"
+#include "ydd/dynamics/bridging.h"
 #include "ydd/dynamics/depth_range.h"
 #include "ydd/dynamics/dynamics_options.h"
 #include "ydd/dynamics/observations.h"
@@ -50,7 +51,8 @@ Judgement judge_frame(const DynamicsOptions& options, const ObjectCatalogue& cat
 Observations observe(const Features& features, const Judgement& judgement);
 
 /// The YDD method over a sequence (docs/method.md): judge_frame plus what it keeps from frame to
-/// frame, the static/dynamic switch and the budget. Thread: one call at a time.
+/// frame: the static/dynamic switch, the budget, and persons to be carried over missed detections.
+/// Thread: one call at a time.
 class DynamicsJudge {
  public:
   DynamicsJudge(const DynamicsOptions& options, ObjectCatalogue catalogue);
@@ -66,9 +68,14 @@ class DynamicsJudge {
   const ObjectCatalogue& catalogue() const { return catalogue_; }
 
  private:
+  /// Regions of persons that were missed in this frame.
+  std::vector<MovingRegion> carry(const std::vector<MovingRegion>& bodies,
+                                  const DepthImage& depth_m);
+
   DynamicsOptions options_;
   ObjectCatalogue catalogue_;
   SceneSwitch switch_;
+  std::vector<BodyTrack> tracks_;
   int budget_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ydd/dynamics/box_geometry.h"
+#include "ydd/dynamics/entangled_bodies.h"
 #include "ydd/dynamics/moved_objects.h"
 
 namespace ydd {
@@ -28,14 +29,9 @@ void for_objects(const Scene& scene, Which&& which, Visit&& visit) {
 }
 
 bool is_hand(Subcategory subcategory) { return subcategory == Subcategory::hand; }
-
-void append_persons(const Scene& scene, const DynamicsOptions& options, Variant variant,
-                    std::vector<MovingRegion>& regions) {
-  for (const Body& body : scene.bodies) {
-    if (variant == Variant::box) regions.push_back(region_of(scene, body.person, Rule::box));
-    if (variant == Variant::person) regions.push_back(person_region(scene, body, options));
-    if (variant == Variant::full) regions.push_back(body_region(scene, body, options));
-  }
+bool is_automatic(Subcategory subcategory) { return subcategory == Subcategory::automatic; }
+bool is_potential(Subcategory subcategory) {
+  return category_of(subcategory) == Category::potentially_dynamic;
 }
 
 /// The hands that may move an object: the matched ones, with `any_hand` all.
@@ -71,10 +67,11 @@ std::vector<int> lone_parts(const Scene& scene) {
 Scene make_scene(const Detections& detections, const ObjectCatalogue& catalogue,
                  const DepthImage& depth_m, const DynamicsOptions& options) {
   Scene scene;
-  scene.objects = measure_objects(detections, catalogue, depth_m, options.object_depth);
-  const bool own_heads =
-      options.parsed_variant() == Variant::full && options.refinement.effective().own_heads;
-  scene.bodies = match_bodies(scene.objects, options.matching, own_heads);
+  const RefinementOptions refinement = options.refinement.effective();
+  const bool full = options.parsed_variant() == Variant::full;
+  scene.objects = measure_objects(detections, catalogue, depth_m, options.object_depth,
+                                  full && refinement.uncovered_heads);
+  scene.bodies = match_bodies(scene.objects, options.matching, full && refinement.own_heads);
   scene.extents = catalogue.extents();
   scene.depth_m = depth_m;
   return scene;
@@ -90,14 +87,12 @@ MovingRegion body_region(const Scene& scene, const Body& body, const DynamicsOpt
   if (is_small(scene, scene.objects[body.person].box, options)) {
     return region_of(scene, body.person, Rule::full_small_box);
   }
-  if (!body.entangled) return person_region(scene, body, options);
-  // Of two entangled persons the nearer one gives the measured depth of both boxes; a head tells
-  // them apart.
+  // Of two entangled persons the nearer one gives the measured depth of both boxes; a head of its
+  // own tells the farther one apart.
   const bool by_head = options.refinement.effective().entangled_by_head && body.head >= 0 &&
                        scene.objects[body.head].depth_m;
-  if (!by_head) return region_of(scene, body.person, Rule::full_entangled);
-  return region_of(scene, body.person, Rule::body_depth,
-                   head_range(*scene.objects[body.head].depth_m, scene.extents));
+  if (body.entangled && !by_head) return region_of(scene, body.person, Rule::full_entangled);
+  return person_region(scene, body, options);
 }
 
 MovingRegion automatic_region(const Scene& scene, int object, const DynamicsOptions& options) {
@@ -152,19 +147,37 @@ MovingRegion lone_part_region(const Scene& scene, int object, const DynamicsOpti
                    object_range(*part.depth_m, part.extent_m, options.front_allowance));
 }
 
-std::vector<MovingRegion> moving_regions(const Scene& scene, const DynamicsOptions& options) {
+std::vector<MovingRegion> body_regions(const Scene& scene, const DynamicsOptions& options) {
   const Variant variant = options.parsed_variant();
   std::vector<MovingRegion> regions;
-  append_persons(scene, options, variant, regions);
-  if (variant != Variant::full) return regions;
-  for_objects(
-      scene, [](Subcategory s) { return s == Subcategory::automatic; },
-      [&](int i) { regions.push_back(automatic_region(scene, i, options)); });
-  for_objects(
-      scene, [](Subcategory s) { return category_of(s) == Category::potentially_dynamic; },
-      [&](int i) {
-        if (auto region = moved_region(scene, i, options)) regions.push_back(*region);
-      });
+  if (variant == Variant::off) return regions;
+  for (const Body& body : scene.bodies) {
+    if (variant == Variant::box) regions.push_back(region_of(scene, body.person, Rule::box));
+    if (variant == Variant::person) regions.push_back(person_region(scene, body, options));
+    if (variant == Variant::full) regions.push_back(body_region(scene, body, options));
+  }
+  const RefinementOptions refinement = options.refinement.effective();
+  if (variant == Variant::full && refinement.entangled_by_rest) {
+    for (MovingRegion& region : regions) {
+      if (region.rule != Rule::full_entangled) continue;
+      const auto rest_m =
+          unexplained_depth(scene.depth_m, region.box, regions, refinement.rest_share);
+      if (!rest_m) continue;
+      region.rule = Rule::body_depth;
+      region.range = person_range(*rest_m, scene.extents, options.front_allowance);
+    }
+  }
+  return regions;
+}
+
+std::vector<MovingRegion> thing_regions(const Scene& scene, const DynamicsOptions& options) {
+  std::vector<MovingRegion> regions;
+  if (options.parsed_variant() != Variant::full) return regions;
+  for_objects(scene, is_automatic,
+              [&](int i) { regions.push_back(automatic_region(scene, i, options)); });
+  for_objects(scene, is_potential, [&](int i) {
+    if (auto region = moved_region(scene, i, options)) regions.push_back(*region);
+  });
   if (options.refinement.effective().lone_parts) {
     for (const int i : lone_parts(scene)) regions.push_back(lone_part_region(scene, i, options));
   }

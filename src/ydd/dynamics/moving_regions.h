@@ -25,7 +25,7 @@ Scene make_scene(const Detections& detections, const ObjectCatalogue& catalogue,
 
 /// A person in variant `full`: rejected as a whole when its box is small or entangled or its depth
 /// has failed (section 8), else by the body's depth range (section 5). With `entangled_by_head` an
-/// entangled person with a head is judged by the head's range.
+/// entangled person with a head of its own is judged by depth all the same.
 MovingRegion body_region(const Scene& scene, const Body& body, const DynamicsOptions& options);
 
 /// A person in variant `person`: by the body's depth range; as a whole when the depth has failed.
@@ -48,8 +48,13 @@ MovingRegion hand_region(const Scene& scene, int object, const DynamicsOptions& 
 /// in its own box, as a whole when its depth has failed.
 MovingRegion lone_part_region(const Scene& scene, int object, const DynamicsOptions& options);
 
-/// All regions of a frame in the order in which they decide: bodies, automatic objects, moved
-/// objects, hands.
-std::vector<MovingRegion> moving_regions(const Scene& scene, const DynamicsOptions& options);
+/// The persons of a frame, one region each, in the order of the bodies; of variant `off` none. In
+/// variant `full` with `entangled_by_rest`, full rejections of entangled persons become ranges from
+/// what the other persons leave of their boxes.
+std::vector<MovingRegion> body_regions(const Scene& scene, const DynamicsOptions& options);
+
+/// Everything else that moves, variant `full` only: automatic objects, moved objects, lone parts,
+/// surroundings of hands, in this order.
+std::vector<MovingRegion> thing_regions(const Scene& scene, const DynamicsOptions& options);
 
 }  // namespace ydd

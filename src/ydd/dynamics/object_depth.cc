@@ -41,11 +41,37 @@ std::optional<float> nearer_arm(std::vector<float> a, std::vector<float> b, int 
   return mean_of(std::span(arm).first(n));
 }
 
+bool any_contains(std::span<const Box> boxes, float x_px, float y_px) {
+  return std::any_of(boxes.begin(), boxes.end(),
+                     [&](const Box& box) { return box.contains(x_px, y_px); });
+}
+
+/// The boxes of things that a person may hold before a face.
+std::vector<Box> covering_boxes(std::span<const SceneObject> objects) {
+  std::vector<Box> boxes;
+  for (const SceneObject& object : objects) {
+    if (object.subcategory == Subcategory::hand || object.subcategory == Subcategory::small) {
+      boxes.push_back(object.box);
+    }
+  }
+  return boxes;
+}
+
+std::optional<float> head_depth(const DepthImage& depth_m, const Box& head,
+                                std::span<const Box> covers, const ObjectDepthOptions& options) {
+  const Centre centre = centre_of(head);
+  if (any_contains(covers, centre.x_px, centre.y_px)) {
+    if (const auto depth = uncovered_depth(depth_m, head, covers)) return depth;
+  }
+  return centre_depth(depth_m, head, options);
+}
+
 }  // namespace
 
 float depth_at(const DepthImage& depth_m, float x_px, float y_px) {
-  const auto x = static_cast<int>(std::lround(x_px));
-  const auto y = static_cast<int>(std::lround(y_px));
+  // Half a pixel and floor: one instruction, where lround is a call.
+  const auto x = static_cast<int>(std::floor(x_px + 0.5F));
+  const auto y = static_cast<int>(std::floor(y_px + 0.5F));
   if (!depth_m.contains(x, y)) return 0.0F;
   const float d = depth_m(x, y);
   return std::isfinite(d) && d > 0.0F ? d : 0.0F;
@@ -86,10 +112,33 @@ std::optional<float> cross_depth(const DepthImage& depth_m, const Box& box,
   return std::min(*horizontal, *vertical);
 }
 
+std::optional<float> uncovered_depth(const DepthImage& depth_m, const Box& box,
+                                     std::span<const Box> covers) {
+  constexpr int kSteps = 9;         // each way
+  constexpr float kMargin = 0.15F;  // the corners of a head's box show what is behind it
+  std::vector<float> readings;
+  for (int row = 0; row < kSteps; ++row) {
+    for (int column = 0; column < kSteps; ++column) {
+      const auto share = [](int k) {
+        return kMargin + (1 - 2 * kMargin) * static_cast<float>(k) / (kSteps - 1);
+      };
+      const float x = box.x0 + share(column) * box.width();
+      const float y = box.y0 + share(row) * box.height();
+      const float d = depth_at(depth_m, x, y);
+      if (d <= 0.0F || any_contains(covers, x, y)) continue;
+      readings.push_back(d);
+    }
+  }
+  if (readings.empty()) return std::nullopt;
+  const auto middle = readings.begin() + static_cast<std::ptrdiff_t>(readings.size() / 2);
+  std::nth_element(readings.begin(), middle, readings.end());
+  return *middle;
+}
+
 std::vector<SceneObject> measure_objects(const Detections& detections,
                                          const ObjectCatalogue& catalogue,
                                          const DepthImage& depth_m,
-                                         const ObjectDepthOptions& options) {
+                                         const ObjectDepthOptions& options, bool uncovered_heads) {
   std::vector<SceneObject> objects;
   objects.reserve(detections.size());
   for (std::size_t i = 0; i < detections.size(); ++i) {
@@ -100,10 +149,13 @@ std::vector<SceneObject> measure_objects(const Detections& detections,
     object.detection = static_cast<int>(i);
     object.box = detection.box;
     object.extent_m = catalogue.extent_m(detection.class_name);
-    object.depth_m = object.subcategory == Subcategory::head
-                         ? centre_depth(depth_m, object.box, options)
-                         : cross_depth(depth_m, object.box, options);
     objects.push_back(object);
+  }
+  const std::vector<Box> covers = uncovered_heads ? covering_boxes(objects) : std::vector<Box>();
+  for (SceneObject& object : objects) {
+    object.depth_m = object.subcategory == Subcategory::head
+                         ? head_depth(depth_m, object.box, covers, options)
+                         : cross_depth(depth_m, object.box, options);
   }
   return objects;
 }

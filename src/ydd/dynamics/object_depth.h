@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "ydd/detection/detection.h"
@@ -26,6 +27,11 @@ std::optional<float> centre_depth(const DepthImage& depth_m, const Box& box,
 std::optional<float> cross_depth(const DepthImage& depth_m, const Box& box,
                                  const ObjectDepthOptions& options);
 
+/// Median of readings on a grid over the inner part of `box`, leaving out what lies in one of
+/// `covers`. Nothing when no reading is left.
+std::optional<float> uncovered_depth(const DepthImage& depth_m, const Box& box,
+                                     std::span<const Box> covers);
+
 /// A detection that is not static, with its depth measured.
 struct SceneObject {
   int detection = -1;  ///< index into the detections
@@ -36,10 +42,12 @@ struct SceneObject {
 };
 
 /// Looks up and measures every detection that is not static, in the order given: heads at their
-/// centre, everything else by the cross.
+/// centre, everything else by the cross. With `uncovered_heads` a head whose centre lies behind the
+/// box of a hand or a small object is measured where it is not covered (beyond the article).
 std::vector<SceneObject> measure_objects(const Detections& detections,
                                          const ObjectCatalogue& catalogue,
                                          const DepthImage& depth_m,
-                                         const ObjectDepthOptions& options);
+                                         const ObjectDepthOptions& options,
+                                         bool uncovered_heads = false);
 
 }  // namespace ydd

@@ -17,7 +17,9 @@ std::string_view to_string(Rule rule) {
                                                                       "full_entangled",
                                                                       "geometry",
                                                                       "surrounded",
-                                                                      "lone_part"};
+                                                                      "lone_part",
+                                                                      "connected",
+                                                                      "bridged"};
   return kNames[static_cast<std::size_t>(rule)];
 }
 

@@ -26,8 +26,10 @@ enum class Rule : std::uint8_t {
   geometry,           ///< beyond the article: reprojection disagrees inside a dynamic box
   surrounded,         ///< beyond the article: no depth, but all round it a moving thing
   lone_part,          ///< beyond the article: on a head or hand that belongs to no person
+  connected,          ///< beyond the article: on what sticks out of a body's box
+  bridged,            ///< beyond the article: on a person that was missed in this frame
 };
-inline constexpr int kRuleCount = 14;
+inline constexpr int kRuleCount = 16;
 std::string_view to_string(Rule rule);
 
 /// A feature point that no later stage sees, kept for pictures and counters.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/dynamics/point_rules.h"
 
+#include <algorithm>
 #include <array>
 
 #include "ydd/dynamics/object_depth.h"
@@ -11,8 +12,18 @@ namespace {
 struct Direction {
   int dx, dy;
 };
-constexpr std::array<Direction, 8> kDirections = {
-    {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+constexpr std::array<Direction, 4> kAxes = {{{1, 0}, {1, 1}, {0, 1}, {-1, 1}}};
+
+/// The first reading from a point outward; 0: none within reach.
+float next_reading(const DepthImage& depth_m, const PointSample& point, const Direction& towards,
+                   int reach_px) {
+  for (int step = 1; step <= reach_px; ++step) {
+    const float d = depth_at(depth_m, point.x_px + static_cast<float>(towards.dx * step),
+                             point.y_px + static_cast<float>(towards.dy * step));
+    if (d > 0.0F) return d;
+  }
+  return 0.0F;
+}
 
 }  // namespace
 
@@ -32,21 +43,18 @@ bool at_edge(const MovingRegion& region, const PointSample& point, const DepthIm
 }
 
 bool surrounded_by(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
-                   int reach_px, double share) {
+                   int reach_px, int axes) {
   if (!region.range || point.depth_m > 0.0F || !region.box.contains(point.x_px, point.y_px)) {
     return false;
   }
-  int moving = 0;
-  for (const auto& [dx, dy] : kDirections) {
-    for (int step = 1; step <= reach_px; ++step) {
-      const float d = depth_at(depth_m, point.x_px + static_cast<float>(dx * step),
-                               point.y_px + static_cast<float>(dy * step));
-      if (d <= 0.0F) continue;
-      moving += region.range->contains(d) ? 1 : 0;
-      break;
-    }
-  }
-  return moving >= share * static_cast<double>(kDirections.size());
+  const auto moving = [&](const Direction& towards) {
+    const float d = next_reading(depth_m, point, towards, reach_px);
+    return region.range->contains(d);
+  };
+  const auto enclosing = std::count_if(kAxes.begin(), kAxes.end(), [&](const Direction& axis) {
+    return moving(axis) && moving({-axis.dx, -axis.dy});
+  });
+  return enclosing >= axes;
 }
 
 Rule rule_of(const PointSample& point, std::span<const MovingRegion> regions,
@@ -61,7 +69,7 @@ Rule rule_of(const PointSample& point, std::span<const MovingRegion> regions,
   }
   if (options.surround_px > 0) {
     for (const MovingRegion& region : regions) {
-      if (surrounded_by(region, point, depth_m, options.surround_px, options.surround_share)) {
+      if (surrounded_by(region, point, depth_m, options.surround_px, options.surround_axes)) {
         return Rule::surrounded;
       }
     }

@@ -35,18 +35,18 @@ bool in_region(const MovingRegion& region, const PointSample& point);
 bool at_edge(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
              float radius_px);
 
-/// The point lies in the region's box without a reading, and of the readings next to it in the
-/// eight directions (looked for over `reach_px`) at least `share` lie in the region's range; two or
-/// more are needed. Beyond the article: holes on a body, such as the shadow of an arm. Never for a
-/// full rejection.
+/// The point lies in the region's box without a reading, and on at least `axes` of the four axes
+/// through it (horizontal, vertical, two diagonals) the next readings to both sides, at most
+/// `reach_px` steps away, lie in the region's range. Beyond the article: holes on a body, such as
+/// the shadow of an arm. Never for a full rejection.
 bool surrounded_by(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
-                   int reach_px, double share);
+                   int reach_px, int axes);
 
 /// What rule_of needs to know besides the regions.
 struct PointRuleOptions {
-  float edge_radius_px = 0;   ///< 0: edges are not asked for
-  int surround_px = 0;        ///< 0: surroundings are not asked for
-  double surround_share = 1;  ///< of the readings around
+  float edge_radius_px = 0;  ///< 0: edges are not asked for
+  int surround_px = 0;       ///< 0: surroundings are not asked for
+  int surround_axes = 4;     ///< of the four, that must be enclosed
 };
 
 /// The rule that decides about a point: the first region that contains it, else an edge, else its
