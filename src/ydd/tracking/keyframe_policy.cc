@@ -12,6 +12,10 @@ void KeyframePolicyOptions::describe(OptionTable& t) {
         "fewer tracked near points make the map need more");
   t.add("min_close_untracked", min_close_untracked, {0, 10000}, "",
         "if at least so many near points could be added");
+  t.add("max_rotation", max_rotation_rad, {0.0, 3.2}, "rad",
+        "insert when the view has turned more against the reference keyframe");
+  t.add("max_translation_share", max_translation_share, {0.0, 100.0}, "",
+        "insert when the camera is farther from the reference keyframe, by median depth");
   t.add("min_inliers", min_inliers, {0, 10000}, "", "never insert with fewer tracked points");
 }
 
@@ -21,7 +25,9 @@ bool needs_keyframe(const KeyframeSituation& s, const KeyframePolicyOptions& o) 
       s.close_tracked < o.min_close_tracked && s.close_untracked > o.min_close_untracked;
   // The first keyframe's points are fresh and unproven: a second view must come early.
   const double ratio = s.keyframes < 2 ? 0.4 : o.reference_ratio;
-  const bool view_changed = s.inliers < ratio * s.reference_points || needs_close;
+  const bool moved =
+      s.rotation_rad > o.max_rotation_rad || s.translation_share > o.max_translation_share;
+  const bool view_changed = s.inliers < ratio * s.reference_points || needs_close || moved;
   const bool weak = s.inliers < o.weak_ratio * s.reference_points || needs_close;
   const bool due = s.since_keyframe_s >= o.max_interval_s || s.mapper_idle || weak;
   return view_changed && due;

@@ -12,6 +12,8 @@ struct KeyframePolicyOptions {
   int min_close_tracked = 100;
   int min_close_untracked = 70;
   int min_inliers = 15;
+  double max_rotation_rad = 0.20;
+  double max_translation_share = 0.15;
   void describe(OptionTable& table);
 };
 
@@ -27,8 +29,9 @@ struct KeyframeSituation {
 };
 
 /// True when the map would gain from this frame: the view has changed (few of the reference
-/// keyframe's points are left), near points are unmapped, or a second has passed and the mapper has
-/// nothing to do. After Mur-Artal and Tardos, "ORB-SLAM2", IEEE T-RO 2017, section III-E.
+/// keyframe's points are left, or it was taken from elsewhere), near points are unmapped, or a
+/// second has passed and the mapper has nothing to do. After Mur-Artal and Tardos, "ORB-SLAM2",
+/// IEEE T-RO 2017, section III-E.
 bool needs_keyframe(const KeyframeSituation& situation, const KeyframePolicyOptions& options);
 
 }  // namespace ydd

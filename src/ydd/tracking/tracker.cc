@@ -2,6 +2,7 @@
 #include "ydd/tracking/tracker.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "ydd/base/log.h"
 
@@ -32,6 +33,18 @@ std::vector<KeyFrameId> recent_keyframes(const Atlas& atlas, KeyFrameId referenc
     }
   }
   return out;
+}
+
+/// Median of the depth readings; infinite when there is none.
+double median_depth_m(const Features& features) {
+  std::vector<float> depths_m;
+  for (const float depth_m : features.depth_m) {
+    if (depth_m > 0) depths_m.push_back(depth_m);
+  }
+  if (depths_m.empty()) return std::numeric_limits<double>::infinity();
+  const auto middle = depths_m.begin() + static_cast<std::ptrdiff_t>(depths_m.size() / 2);
+  std::nth_element(depths_m.begin(), middle, depths_m.end());
+  return *middle;
 }
 
 }  // namespace
@@ -264,6 +277,9 @@ KeyframeSituation Tracker::situation(const Atlas& atlas, const TrackedFrame& fra
     ++(frame.points[i].valid() ? s.close_tracked : s.close_untracked);
   }
   s.keyframes = static_cast<int>(atlas.keyframes().size());
+  s.rotation_rad = result.T_reference_camera.angle_rad();
+  s.translation_share =
+      result.T_reference_camera.translation().norm() / median_depth_m(frame.features());
   s.mapper_idle = mapper_idle;
   return s;
 }
