@@ -19,13 +19,15 @@ struct KeyframePolicyOptions {
 
 /// What the tracker knows when it asks whether this frame should be kept.
 struct KeyframeSituation {
-  double since_keyframe_s = 0;  ///< time since the last keyframe was submitted
-  int inliers = 0;              ///< map points matched in this frame
-  int reference_points = 0;     ///< well-observed points of the reference keyframe
-  int close_tracked = 0;        ///< keypoints with near depth that show a map point
-  int close_untracked = 0;      ///< keypoints with near depth that do not
-  int keyframes = 0;            ///< in the map
-  bool mapper_idle = true;      ///< nothing waits in front of the mapper
+  double since_keyframe_s = 0;   ///< time since the last keyframe was submitted
+  int inliers = 0;               ///< map points matched in this frame
+  int reference_points = 0;      ///< well-observed points of the reference keyframe
+  int close_tracked = 0;         ///< keypoints with near depth that show a map point
+  int close_untracked = 0;       ///< keypoints with near depth that do not
+  int keyframes = 0;             ///< in the map
+  double rotation_rad = 0;       ///< against the reference keyframe
+  double translation_share = 0;  ///< distance to the reference keyframe by median depth
+  bool mapper_idle = true;       ///< nothing waits in front of the mapper
 };
 
 /// True when the map would gain from this frame: the view has changed (few of the reference
