@@ -12,8 +12,8 @@ struct KeyframePolicyOptions {
   int min_close_tracked = 100;
   int min_close_untracked = 70;
   int min_inliers = 15;
-  double max_rotation_rad = 0.20;
-  double max_translation_share = 0.15;
+  double max_rotation_rad = 0.10;
+  double max_translation_share = 0.10;
   void describe(OptionTable& table);
 };
 
