@@ -125,7 +125,10 @@ Result<void> detect_sequence(const DetectRequest& request) {
   if (request.threads > 0) cv::setNumThreads(request.threads);
   const auto detector = make_detector(request.detector, request.set, *catalogue);
   if (!detector) return detector.error();
-  if (auto made = make_folder(request.pictures); !made) return made;
+  for (const std::string& folder :
+       {request.pictures, fs::path(request.out).parent_path().string()}) {
+    if (auto made = make_folder(folder); !made) return made;
+  }
   const Result<DetectRun> run = detect_all(*sequence, request, **detector, *catalogue);
   if (!run) return run.error();
   if (auto r = write_recorded_detections(request.out, run->frames); !r) return r;

@@ -200,7 +200,8 @@ TEST_F(DetectorFile, ANetworkOfAnotherKindIsNamed) {
 
 TEST_F(DetectorFile, AClassTableThatDoesNotFitIsNamed) {
   write("colours.yaml", "names: [person, head]");
-  EXPECT_THAT(failure_of(kNetwork), HasSubstr("for 2 classes"));
+  EXPECT_THAT(failure_of(kNetwork),
+              HasSubstr("spotter.onnx: is a yolox_heads network of 3 classes, but its class"));
   write("colours.yaml", "names: [azure, emerald, scarlet]");
   EXPECT_THAT(failure_of(kNetwork),
               HasSubstr("colours.yaml: none of its 3 classes ('azure', ...) is in the object"));

@@ -106,6 +106,30 @@ std::optional<std::vector<const Tensor*>> select_outputs(YoloKind kind,
   return selected;
 }
 
+struct KindAndClasses {
+  YoloKind kind;
+  int class_count;
+};
+
+/// For the error message: would another class table fit?
+std::optional<KindAndClasses> recognise_other_class_count(std::span<const Tensor> outputs,
+                                                          const YoloShape& shape) {
+  for (const Tensor& output : outputs) {
+    for (const int size : output.shape) {
+      // 255 channels are rather 3 anchors of 80 classes than one of 250: the heads in this order.
+      const std::array<KindAndClasses, 4> guesses = {{{YoloKind::yolov5, size - 5},
+                                                      {YoloKind::yolov8, size - 4},
+                                                      {YoloKind::yolov5_heads, size / 3 - 5},
+                                                      {YoloKind::yolox_heads, size - 5}}};
+      for (const KindAndClasses& guess : guesses) {
+        const YoloShape other{guess.class_count, shape.width_px, shape.height_px};
+        if (guess.class_count > 0 && select_outputs(guess.kind, outputs, other)) return guess;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 bool all_probabilities(std::span<const Tensor* const> heads) {
   return std::all_of(heads.begin(), heads.end(), [](const Tensor* head) {
     return std::all_of(head->values.begin(), head->values.end(),
@@ -275,14 +299,12 @@ Result<YoloKind> recognise_yolo(std::span<const Tensor> outputs, const YoloShape
   if (const auto heads = select_outputs(YoloKind::yolov5_heads, outputs, shape)) {
     return all_probabilities(*heads) ? YoloKind::yolov5_heads : YoloKind::yolov5_logits;
   }
-  std::vector<std::string> known;
-  known.reserve(kKinds.size());
-  for (const NamedKind& k : kKinds) {
-    known.push_back(fmt::format("{} {}", k.name, format_shapes(expected_shapes(k.kind, shape))));
+  if (const auto other = recognise_other_class_count(outputs, shape)) {
+    return Error{fmt::format("is a {} network of {} classes, but its class table has {}",
+                             to_string(other->kind), other->class_count, shape.class_count)};
   }
-  return Error{fmt::format(
-      "{}: not a known kind of YOLO network, or the class table is not its own; known: {}",
-      describe(outputs, shape), fmt::join(known, ", "))};
+  return Error{fmt::format("{}: not a known kind of YOLO network; known are {}",
+                           describe(outputs, shape), fmt::join(yolo_kind_names(), ", "))};
 }
 
 Result<void> check_outputs(YoloKind kind, std::span<const Tensor> outputs, const YoloShape& shape) {

@@ -36,7 +36,7 @@ struct YoloShape {
 
 /// The kind that fits the shapes of `outputs` (a network's answer to any input); values outside
 /// [0, 1] tell logits from probabilities. Where a network gives its decoded boxes beside its raw
-/// heads, the decoded ones count. The failure lists the shapes and what was expected.
+/// heads, the decoded ones count. The failure lists the shapes, or says how many classes would fit.
 Result<YoloKind> recognise_yolo(std::span<const Tensor> outputs, const YoloShape& shape);
 
 /// Whether `outputs` can be decoded as `kind`; the failure lists the shapes and what was expected.
