@@ -3,25 +3,11 @@
 
 #include <cmath>
 
+#include <Eigen/LU>
+
+#include "ydd/geometry/se3_jacobians.h"
+
 namespace ydd {
-namespace {
-
-/// Left Jacobian of SO(3): translation part of the exponential of SE(3).
-/// Barfoot, State Estimation for Robotics, eq. (7.37).
-Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& w) {
-  const double theta2 = w.squaredNorm();
-  const Eigen::Matrix3d W = skew(w);
-  double a = 0.5 - theta2 / 24.0;          // (1 - cos t) / t^2
-  double b = 1.0 / 6.0 - theta2 / 120.0;   // (t - sin t) / t^3
-  if (theta2 > 1e-8) {
-    const double theta = std::sqrt(theta2);
-    a = (1.0 - std::cos(theta)) / theta2;
-    b = (theta - std::sin(theta)) / (theta2 * theta);
-  }
-  return Eigen::Matrix3d::Identity() + a * W + b * W * W;
-}
-
-}  // namespace
 
 Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
@@ -64,13 +50,13 @@ SE3 SE3::inverse() const {
 
 SE3 SE3::exp(const Vector6d& twist) {
   const Eigen::Vector3d w = twist.tail<3>();
-  return {so3_exp(w), left_jacobian(w) * twist.head<3>()};
+  return {so3_exp(w), so3_left_jacobian(w) * twist.head<3>()};
 }
 
 Vector6d SE3::log() const {
   const Eigen::Vector3d w = so3_log(rotation_);
   Vector6d twist;
-  twist.head<3>() = left_jacobian(w).inverse() * translation_;
+  twist.head<3>() = so3_left_jacobian(w).inverse() * translation_;
   twist.tail<3>() = w;
   return twist;
 }

@@ -7,7 +7,7 @@
 #include <ceres/ceres.h>
 
 #include "ydd/optimization/bundle_linearise.h"
-#include "ydd/optimization/ceres_se3.h"
+#include "ydd/optimization/ceres_support.h"
 
 namespace ydd {
 namespace {
@@ -54,17 +54,6 @@ class ReprojectionCost : public ceres::SizedCostFunction<kRows, PoseBlock::kSize
   Intrinsics k_;
   Eigen::Vector3d uvr_px_;
   double inv_sigma_;
-};
-
-class StopCallback : public ceres::IterationCallback {
- public:
-  explicit StopCallback(std::stop_token stop) : stop_(std::move(stop)) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
-    return stop_.stop_requested() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
-  }
-
- private:
-  std::stop_token stop_;
 };
 
 /// Parameters, problem and ordering of one phase. Ceres keeps pointers into `poses` and `points`.
@@ -152,7 +141,7 @@ class Phase {
   const Layout& layout_;
   std::vector<PoseBlock> poses_;
   std::vector<Eigen::Vector3d> points_;
-  LeftTwistManifold manifold_;
+  TwistManifold<TwistSide::left> manifold_;
   ceres::HuberLoss mono_;
   ceres::HuberLoss stereo_;
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_;

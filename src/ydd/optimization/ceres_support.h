@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <iterator>
+#include <stop_token>
+#include <utility>
 
+#include <ceres/iteration_callback.h>
 #include <ceres/manifold.h>
 
 #include "ydd/geometry/se3.h"
 
-/// How a pose lies in the memory that Ceres moves about. Include in .cc files only.
+/// What our Ceres problems share. Include in .cc files only.
 namespace ydd {
 
 /// A pose as Ceres parameters: quaternion x y z w, then translation in metres.
@@ -28,18 +31,26 @@ struct PoseBlock {
   SE3 to_se3() const { return to_se3(static_cast<const double*>(values)); }
 };
 
-/// The pose T moved by exp(twist) * T, twist = (translation, rotation).
+enum class TwistSide {
+  left,   ///< exp(twist) * T
+  right,  ///< T * exp(twist)
+};
+
+/// A pose moved by a twist (translation, rotation) on one side.
 ///
 /// Cost functions write their derivatives by the twist into the first six columns of the block and
 /// zero into the seventh; with the first six rows of the identity as derivative of Plus, Ceres then
 /// works with exactly these. Neither is a derivative by the seven numbers, and nothing asks for
 /// one.
-class LeftTwistManifold : public ceres::Manifold {
+template <TwistSide kTwistSide>
+class TwistManifold : public ceres::Manifold {
  public:
   int AmbientSize() const override { return PoseBlock::kSize; }
   int TangentSize() const override { return 6; }
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
-    const PoseBlock moved(SE3::exp(Eigen::Map<const Vector6d>(delta)) * PoseBlock::to_se3(x));
+    const SE3 T = PoseBlock::to_se3(x);
+    const SE3 step = SE3::exp(Eigen::Map<const Vector6d>(delta));
+    const PoseBlock moved(kTwistSide == TwistSide::left ? step * T : T * step);
     std::copy(std::begin(moved.values), std::end(moved.values), x_plus_delta);
     return true;
   }
@@ -48,14 +59,28 @@ class LeftTwistManifold : public ceres::Manifold {
     return true;
   }
   bool Minus(const double* y, const double* x, double* y_minus_x) const override {
+    const SE3 T_y = PoseBlock::to_se3(y);
+    const SE3 inverse_x = PoseBlock::to_se3(x).inverse();
     Eigen::Map<Vector6d> twist(y_minus_x);
-    twist = (PoseBlock::to_se3(y) * PoseBlock::to_se3(x).inverse()).log();
+    twist = (kTwistSide == TwistSide::left ? T_y * inverse_x : inverse_x * T_y).log();
     return true;
   }
   bool MinusJacobian(const double* /*x*/, double* jacobian) const override {
     Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>>(jacobian).setIdentity();
     return true;
   }
+};
+
+/// Ends a solve at the next iteration when a stop is requested; Ceres keeps its best state.
+class StopCallback : public ceres::IterationCallback {
+ public:
+  explicit StopCallback(std::stop_token stop) : stop_(std::move(stop)) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
+    return stop_.stop_requested() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  std::stop_token stop_;
 };
 
 }  // namespace ydd
