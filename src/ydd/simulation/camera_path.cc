@@ -89,7 +89,7 @@ TimedPath rpy_path(const Tremor& tremor) {
 TimedPath halfsphere_path(const Tremor& tremor) {
   return {[=](double t) {
             const double azimuth = degrees(26) * std::sin(kTurn * t / 7.3);
-            const double elevation = degrees(15) - degrees(10) * std::cos(kTurn * t / 4.7);
+            const double elevation = degrees(14) - degrees(9) * std::cos(kTurn * t / 4.7);
             const double radius = 3.05;
             const Vector3d out(std::sin(azimuth) * std::cos(elevation),
                                -std::cos(azimuth) * std::cos(elevation), std::sin(elevation));
@@ -104,7 +104,7 @@ std::vector<Eigen::Vector2d> walk(int rooms) {
   const double door = sim::kDoorMiddle_m;
   if (rooms == 1) {
     for (int i = 0; i < 12; ++i) {
-      const double angle = kTurn * (0.75 - i / 12.0);
+      const double angle = kTurn * (0.5 - i / 12.0);
       p.emplace_back(3.0 + 2.05 * std::cos(angle), 2.2 + 1.3 * std::sin(angle));
     }
     return p;
@@ -129,12 +129,12 @@ TimedPath loop_path(const Tremor& tremor, int rooms) {
   const auto curve = std::make_shared<const sim::ClosedCurve>(walk(rooms));
   constexpr double kSpeed = 0.6;  // m/s
   constexpr double kBeyond = 1.06;
-  const double sideways = rooms == 1 ? degrees(-25) : 0.0;
+  const double inward = rooms == 1 ? degrees(12) : 0.0;
   const CameraPath path = [=](double t) {
     const double s = kSpeed * t;
     const Eigen::Vector2d here = curve->at(s);
     const Eigen::Vector2d ahead = curve->at(s + 0.5) - curve->at(s - 0.5);
-    const double heading = std::atan2(ahead.y(), ahead.x()) - sideways;
+    const double heading = std::atan2(ahead.y(), ahead.x()) - inward;
     const double step = kTurn * s / 1.4;  // the gait of who carries the camera
     const Vector3d eye(here.x(), here.y(), 1.42 + 0.012 * std::cos(step));
     const Vector3d target = eye + Vector3d(std::cos(heading), std::sin(heading), -0.16);

@@ -306,10 +306,10 @@ Canvas paint_whiteboard(Random random, int width, int height) {
   canvas.add_octaves(random, 0.3F * s.h, grey(0.02F), 3);
   const std::array<Colour, 4> pens = {grey(0.1F), bgr(0.7F, 0.2F, 0.1F), bgr(0.1F, 0.1F, 0.75F),
                                       bgr(0.15F, 0.5F, 0.1F)};
-  for (int i = 0; i < 9; ++i) {
+  for (int i = 0; i < 26; ++i) {
     const Colour& pen = pens[random.integer(0, 3)];
-    const Vector2 at = point_in(random, 0.03F * s.w, 0.05F * s.h, 0.75F * s.w, 0.7F * s.h);
-    const float letter = random.uniform_f(0.03F, 0.06F) * s.h;
+    const Vector2 at = point_in(random, 0.03F * s.w, 0.05F * s.h, 0.85F * s.w, 0.85F * s.h);
+    const float letter = random.uniform_f(0.016F, 0.036F) * s.h;
     if (random.chance(0.5)) {
       canvas.write_text(random, at.x(), at.y(), at.x() + 9.0F * letter, at.y() + 5.0F * letter,
                         letter, pen);

@@ -117,12 +117,12 @@ Canvas paint_plaster(Random random, int width, int height, const Colour& base, f
   canvas.add_octaves(random, 0.4F * size, grey(0.030F * contrast), 4, 0.6F);
   canvas.add_noise(random, 3.0F, grey(0.012F * contrast));
   canvas.add_noise(random, 1.5F, grey(0.010F * contrast));
-  const int scuffs = static_cast<int>(contrast * 0.6F * static_cast<float>(width) / 20.0F);
+  const int scuffs = static_cast<int>(contrast * 0.16F * static_cast<float>(width));
   for (int i = 0; i < scuffs; ++i) {
     const Vector2 at = random_point(random, canvas);
-    const float r = random.uniform_f(0.002F, 0.01F) * size;
+    const float r = std::exp(random.uniform_f(-6.8F, -4.9F)) * size;
     canvas.fill_ellipse(at, {r, r * random.uniform_f(0.3F, 1.0F)}, random.uniform_f(0.0F, 3.0F),
-                        base * random.uniform_f(0.6F, 0.9F), 0.7F);
+                        base * random.uniform_f(0.55F, 0.85F), 0.7F);
   }
   return canvas;
 }

@@ -116,8 +116,8 @@ Texture::Texture(const Canvas& canvas, Wrap wrap) : wrap_(wrap) {
 
 Colour Texture::sample(float u, float v, const Footprint& footprint) const {
   constexpr float kMaxProbes = 4.0F;
-  // Half a level sharper than a square pixel asks for: trilinear filtering alone looks soft.
-  constexpr float kBias = -0.5F;
+  // A little sharper than a square pixel asks for: trilinear filtering alone looks soft.
+  constexpr float kBias = -0.25F;
   float major2 = footprint.along_x.squaredNorm();
   float minor2 = footprint.along_y.squaredNorm();
   Vector2 axis = footprint.along_x;
