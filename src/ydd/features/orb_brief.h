@@ -15,7 +15,7 @@ namespace ydd {
 /// corner's orientation in steps of 2 pi / kAngles. Rublee et al., ICCV 2011, section 4.2.
 class SteeredBrief {
  public:
-  static constexpr int kAngles = 64;
+  static constexpr int kAngles = 256;
 
   explicit SteeredBrief(std::span<const OrbTest, 256> pattern = kOrbPattern);
 
