@@ -15,6 +15,7 @@ namespace ydd::app {
 using Job = std::function<Result<void>()>;
 
 void add_run_command(CLI::App& app, Job& job);
+void add_bench_command(CLI::App& app, Job& job);
 void add_options_command(CLI::App& app, Job& job);
 void add_eval_command(CLI::App& app, Job& job);
 void add_detect_command(CLI::App& app, Job& job);

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("ydd-slam ") + ydd::kVersion);
   ydd::app::Job job;
   ydd::app::add_run_command(app, job);
+  ydd::app::add_bench_command(app, job);
   ydd::app::add_options_command(app, job);
   ydd::app::add_eval_command(app, job);
   ydd::app::add_detect_command(app, job);

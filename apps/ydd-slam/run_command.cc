@@ -15,8 +15,7 @@ void add_run_command(CLI::App& app, Job& job) {
   command->add_option("--camera", request->camera,
                       "Camera YAML, ORB-SLAM3 settings file, or name of a preset");
   command->add_option("--config", request->config, "YAML file with options");
-  command->add_option("--set", request->set, "Set one option: key=value")
-      ->allow_extra_args(false);
+  command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
   command->add_option("--out", request->out, "Folder for results (default runs/<sequence>-<time>)");
   command->add_option("--detector", request->detector,
                       "Detector YAML (configs/detector/): look for objects in every frame");

@@ -40,6 +40,7 @@ struct RunRequest {
 struct RunOutcome {
   std::filesystem::path folder;
   std::string summary_json;
+  std::string timings_json;
   StampedPoses trajectory;
   std::optional<std::filesystem::path> groundtruth_file;
   int processed = 0;

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ydd/base/result.h"
+
+namespace ydd::app {
+
+/// A sequence to measure on, with the boxes to use.
+struct BenchCase {
+  std::string name;
+  std::filesystem::path folder;
+  std::filesystem::path detections;  ///< recording
+};
+
+/// What the bench commands have in common.
+struct BenchRequest {
+  std::vector<std::string> sequences;
+  int simulated = 0;  ///< busy rooms to render and add, seeds 1, 2, ...
+  int simulated_frames = 200;
+  std::string detector;  ///< detector file; empty: recorded boxes beside the sequence
+  int runs = 5;
+  std::string out;  ///< JSON file; empty: none
+  std::vector<std::string> set;
+};
+
+/// The cases of a request: sequences as given, simulated rooms rendered into `scratch`, detections
+/// recorded with the detector into `scratch` if there is one.
+Result<std::vector<BenchCase>> prepare_cases(const BenchRequest& request,
+                                             const std::filesystem::path& scratch);
+
+/// ATE and RPE of the four variants on every case, median of several runs, as a Markdown table.
+Result<std::string> bench_ablation(const BenchRequest& request,
+                                   const std::filesystem::path& scratch);
+
+/// Recall and precision of the rejected points of every variant against the moving masks.
+Result<std::string> bench_dynamics(const BenchRequest& request,
+                                   const std::filesystem::path& scratch);
+
+/// Time per frame and stage.
+Result<std::string> bench_speed(const BenchRequest& request, const std::filesystem::path& scratch);
+
+}  // namespace ydd::app
