@@ -21,7 +21,8 @@ struct BenchRequest {
   std::vector<std::string> sequences;
   int simulated = 0;  ///< busy rooms to render and add, seeds 1, 2, ...
   int simulated_frames = 200;
-  std::string detector;  ///< detector file; empty: recorded boxes beside the sequence
+  std::string detector;      ///< detector file; empty: recorded boxes beside the sequence
+  bool boxes_needed = true;  ///< a sequence without boxes is an error
   int runs = 5;
   std::string out;  ///< JSON file; empty: none
   std::vector<std::string> set;

@@ -15,10 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<fs::path> recorded_beside(const fs::path& folder) {
+Result<fs::path> recorded_beside(const fs::path& folder, bool needed) {
   for (const char* name : {"detections.jsonl", "detections_gt.jsonl"}) {
     if (fs::exists(folder / name)) return folder / name;
   }
+  if (!needed) return fs::path();
   return Error{
       fmt::format("{}: has no detections.jsonl; give --detector FILE.yaml, or record one "
                   "with 'ydd-slam detect'",
@@ -77,7 +78,7 @@ Result<std::vector<BenchCase>> prepare_cases(const BenchRequest& request, const 
   for (const fs::path& folder : folders) {
     const std::string name = fs::weakly_canonical(folder).filename().string();
     const Result<fs::path> detections = request.detector.empty()
-                                            ? recorded_beside(folder)
+                                            ? recorded_beside(folder, request.boxes_needed)
                                             : record(request, folder, scratch / (name + ".jsonl"));
     if (!detections) return detections.error();
     cases.push_back({name, folder, *detections});

@@ -29,8 +29,9 @@ Result<void> run_bench(Bench bench, const BenchRequest& request) {
 }
 
 void add_bench(CLI::App& parent, Job& job, const std::string& name, const std::string& what,
-               Bench bench) {
+               Bench bench, bool boxes_needed) {
   auto request = std::make_shared<BenchRequest>();
+  request->boxes_needed = boxes_needed;
   auto* command = parent.add_subcommand(name, what);
   command->add_option("sequences", request->sequences, "Folders in the TUM RGB-D layout");
   command->add_option("--simulated", request->simulated, "Also so many simulated busy rooms");
@@ -63,10 +64,10 @@ void add_bench_command(CLI::App& app, Job& job) {
       "  ydd-slam bench dynamics samples/office_crowd\n"
       "  ydd-slam bench speed rgbd_dataset_freiburg1_xyz");
   add_bench(*command, job, "ablation", "ATE and RPE of the variants off, box, person, full",
-            &bench_ablation);
+            &bench_ablation, true);
   add_bench(*command, job, "dynamics", "Recall and precision of rejected points per variant",
-            &bench_dynamics);
-  add_bench(*command, job, "speed", "Time per frame and stage", &bench_speed);
+            &bench_dynamics, true);
+  add_bench(*command, job, "speed", "Time per frame and stage", &bench_speed, false);
 }
 
 }  // namespace ydd::app

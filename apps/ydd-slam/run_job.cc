@@ -10,6 +10,7 @@
 #include "ydd/base/files.h"
 #include "ydd/base/log.h"
 #include "ydd/dataset/camera_file.h"
+#include "ydd/dataset/frame_source.h"
 #include "ydd/dataset/tum_sequence.h"
 #include "ydd/detection/detector_config.h"
 #include "ydd/detection/recorded_detections.h"
@@ -90,6 +91,22 @@ std::string state_text(const FrameReport& report, const SlamSystem& system) {
                      report.observations->rejected.size());
 }
 
+/// Whether a live camera would have overtaken frame `i` by now: then it is dropped, and counted.
+bool overtaken(const Sequence& sequence, std::size_t i, std::size_t end, const Pace& pace) {
+  return i + 1 < end && pace.is_due(sequence.entry(i + 1).stamp);
+}
+
+/// One frame that could be read: through the system, into the recorder, onto a picture.
+Result<void> feed_frame(const RgbdFrame& frame, const RunRequest& request,
+                        const ObjectCatalogue& catalogue, SlamSystem& system, RunRecorder& recorder,
+                        Progress& progress) {
+  Result<FrameReport> report = system.process(frame);
+  if (!report) return report.error();
+  recorder.add(*report);
+  progress.update(static_cast<std::size_t>(frame.index) + 1, state_text(*report, system));
+  return write_picture(request, catalogue, frame, *report);
+}
+
 /// Feeds the sequence to the system; the recorder keeps what happened.
 Result<void> feed(const Sequence& sequence, const Camera& camera, const RunRequest& request,
                   const ObjectCatalogue& catalogue, SlamSystem& system, RunRecorder& recorder) {
@@ -98,29 +115,24 @@ Result<void> feed(const Sequence& sequence, const Camera& camera, const RunReque
           ? std::min(sequence.size(), static_cast<std::size_t>(request.max_frames))
           : sequence.size();
   Progress progress(sequence.name(), end, request.quiet);
+  FrameSource source(sequence, camera);
   const Pace pace(sequence.entry(0).stamp);
   for (std::size_t i = 0; i < end; ++i) {
-    if (request.realtime) {
-      // A live camera does not wait: what is overtaken by the next frame is dropped, and counted.
-      if (i + 1 < end && pace.is_due(sequence.entry(i + 1).stamp)) {
-        recorder.add_dropped(1);
-        continue;
-      }
-      pace.wait_until_due(sequence.entry(i).stamp);
-    }
-    Result<RgbdFrame> frame = sequence.read(i, camera);
-    if (!frame) {
-      const std::string reason = fmt::format("frame {}: {}", i, frame.error().message);
-      if (request.strict) return Error{reason};
-      log::warning("{}; skipped", reason);
-      recorder.add_skipped(static_cast<std::int64_t>(i), frame.error().message);
+    const auto frame = source.next();
+    if (!frame) break;
+    if (request.realtime && overtaken(sequence, i, end, pace)) {
+      recorder.add_dropped(1);
       continue;
     }
-    Result<FrameReport> report = system.process(*frame);
-    if (!report) return report.error();
-    recorder.add(*report);
-    if (auto r = write_picture(request, catalogue, *frame, *report); !r) return r;
-    progress.update(i + 1, state_text(*report, system));
+    if (request.realtime) pace.wait_until_due(sequence.entry(i).stamp);
+    if (!*frame) {
+      const std::string reason = fmt::format("frame {}: {}", i, frame->error().message);
+      if (request.strict) return Error{reason};
+      log::warning("{}; skipped", reason);
+      recorder.add_skipped(static_cast<std::int64_t>(i), frame->error().message);
+    } else if (auto r = feed_frame(**frame, request, catalogue, system, recorder, progress); !r) {
+      return r;
+    }
   }
   system.finish();
   if (recorder.processed() == 0) {
