@@ -18,8 +18,14 @@ add_library(ydd_flags INTERFACE)
 add_library(ydd::flags ALIAS ydd_flags)
 set_target_properties(ydd_flags PROPERTIES EXPORT_NAME flags)
 target_compile_features(ydd_flags INTERFACE cxx_std_20)
-# One Eigen layout for the library and for whoever links it, whatever their -march.
-target_compile_definitions(ydd_flags INTERFACE EIGEN_MAX_ALIGN_BYTES=32)
+# One Eigen layout for the library and for whoever links it, whatever their -march
+# (docs/adr/0004-processor-baseline.md). With AVX, fixed-size types are aligned to 32 bytes anyway.
+target_compile_definitions(ydd_flags INTERFACE EIGEN_MAX_ALIGN_BYTES=32
+  $<INSTALL_INTERFACE:EIGEN_MAX_STATIC_ALIGN_BYTES=32>)
+if(NOT YDD_MARCH STREQUAL "x86-64-v3")
+  target_compile_definitions(ydd_flags INTERFACE
+    $<BUILD_INTERFACE:EIGEN_MAX_STATIC_ALIGN_BYTES=32>)
+endif()
 
 add_library(ydd_build_flags INTERFACE) # not exported
 target_compile_options(ydd_build_flags INTERFACE

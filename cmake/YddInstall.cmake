@@ -5,7 +5,8 @@ get_property(rooms GLOBAL PROPERTY YDD_ROOMS)
 install(TARGETS ydd_flags ${rooms} EXPORT ydd-slam-targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS ydd-slam RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY src/ydd DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY src/ydd DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING
+        PATTERN "*.h" PATTERN "*_testing.h" EXCLUDE)
 install(DIRECTORY configs DESTINATION ${CMAKE_INSTALL_DATADIR}/ydd-slam)
 install(EXPORT ydd-slam-targets NAMESPACE ydd:: FILE ydd-slam-targets.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ydd-slam)
