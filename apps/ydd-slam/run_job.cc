@@ -215,6 +215,7 @@ Result<RunOutcome> run_sequence(const RunRequest& request) {
   }
   return RunOutcome{*folder,
                     summary,
+                    recorder.timings_json(system),
                     system.trajectory(),
                     sequence->groundtruth_file(),
                     recorder.processed(),

@@ -8,10 +8,19 @@
 namespace ydd {
 namespace {
 
-bool on_moving(const Image<std::uint8_t>& moving, const Keypoint& keypoint) {
-  const auto x = static_cast<int>(std::lround(keypoint.x_px));
-  const auto y = static_cast<int>(std::lround(keypoint.y_px));
-  return moving.contains(x, y) && moving(x, y) > 0;
+/// What the edge rule calls a silhouette.
+constexpr int kSilhouette_px = 3;
+
+/// Whether a pixel of the mask moves in the square of that half side round a point.
+bool moves_within(const Image<std::uint8_t>& moving, const Keypoint& keypoint, int half_side_px) {
+  const auto cx = static_cast<int>(std::lround(keypoint.x_px));
+  const auto cy = static_cast<int>(std::lround(keypoint.y_px));
+  for (int y = cy - half_side_px; y <= cy + half_side_px; ++y) {
+    for (int x = cx - half_side_px; x <= cx + half_side_px; ++x) {
+      if (moving.contains(x, y) && moving(x, y) > 0) return true;
+    }
+  }
+  return false;
 }
 
 double share(int part, int whole) {
@@ -25,16 +34,17 @@ PointQuality& PointQuality::operator+=(const PointQuality& other) {
   moving_rejected += other.moving_rejected;
   stationary += other.stationary;
   stationary_rejected += other.stationary_rejected;
-  stationary_in_person += other.stationary_in_person;
-  stationary_in_person_kept += other.stationary_in_person_kept;
+  in_person += other.in_person;
+  in_person_kept += other.in_person_kept;
+  inner += other.inner;
+  inner_kept += other.inner_kept;
   return *this;
 }
 
 double PointQuality::recall() const { return share(moving_rejected, moving); }
 double PointQuality::precision() const { return share(moving_rejected, rejected()); }
-double PointQuality::kept_in_persons() const {
-  return share(stationary_in_person_kept, stationary_in_person);
-}
+double PointQuality::kept_in_persons() const { return share(in_person_kept, in_person); }
+double PointQuality::kept_off_silhouettes() const { return share(inner_kept, inner); }
 
 PointQuality point_quality(const std::vector<Rule>& rules, const std::vector<Keypoint>& keypoints,
                            const Image<std::uint8_t>& moving, const std::vector<Box>& persons) {
@@ -43,19 +53,23 @@ PointQuality point_quality(const std::vector<Rule>& rules, const std::vector<Key
   }
   PointQuality quality;
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const bool rejected = rules[i] != Rule::kept;
-    if (on_moving(moving, keypoints[i])) {
+    const int kept = rules[i] == Rule::kept ? 1 : 0;
+    if (moves_within(moving, keypoints[i], 0)) {
       ++quality.moving;
-      quality.moving_rejected += rejected ? 1 : 0;
+      quality.moving_rejected += 1 - kept;
       continue;
     }
     ++quality.stationary;
-    quality.stationary_rejected += rejected ? 1 : 0;
+    quality.stationary_rejected += 1 - kept;
     const bool in_person = std::any_of(persons.begin(), persons.end(), [&](const Box& box) {
       return box.contains(keypoints[i].x_px, keypoints[i].y_px);
     });
-    quality.stationary_in_person += in_person ? 1 : 0;
-    quality.stationary_in_person_kept += in_person && !rejected ? 1 : 0;
+    if (!in_person) continue;
+    ++quality.in_person;
+    quality.in_person_kept += kept;
+    if (moves_within(moving, keypoints[i], kSilhouette_px)) continue;
+    ++quality.inner;
+    quality.inner_kept += kept;
   }
   return quality;
 }
