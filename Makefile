@@ -46,7 +46,7 @@ check: deps  ## What needs no build: architecture, formatting
 format: deps  ## Format all sources in place
 	@tools/check-format --fix
 
-tidy: configure  ## clang-tidy over all sources (long); FILES="..." or SINCE=<commit> for some
+tidy: deps  ## clang-tidy over all sources (long); FILES="..." or SINCE=<commit> for some
 	@tools/tidy $(if $(SINCE),--since $(SINCE)) $(FILES)
 
 asan: deps  ## All tests under AddressSanitizer and UndefinedBehaviorSanitizer, in build-asan-ubsan
