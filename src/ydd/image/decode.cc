@@ -7,12 +7,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "ydd/base/files.h"
 #include "ydd/image/image_header.h"
-#include "ydd/image/jpeg_decoder.h"
+#include "ydd/image/jpeg_codec.h"
 #include "ydd/image/png_decoder.h"
 
 namespace ydd {
@@ -89,19 +87,6 @@ class DepthScale {
   int highest_;
   float counts_per_metre_;
 };
-
-template <class T>
-Result<void> write_any_png(const std::filesystem::path& file, const Image<T>& image, int cv_type) {
-  const cv::Mat pixels(image.height(), image.width(), cv_type,
-                       const_cast<T*>(image.data()));  // NOLINT(*-const-cast): not written
-  std::vector<uchar> encoded;
-  // Level 1 with the default filters: three times as fast as the default, a few percent larger.
-  if (image.empty() || !cv::imencode(".png", pixels, encoded, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
-    return failure(file, "cannot be encoded as PNG");
-  }
-  return write_file_atomically(file,
-                               {reinterpret_cast<const char*>(encoded.data()), encoded.size()});
-}
 
 }  // namespace
 
@@ -185,18 +170,6 @@ GreyImage to_grey(const ColourImage& colour) {
     to[i] = static_cast<std::uint8_t>((sum + (1U << 14U)) >> 15U);
   }
   return {colour.width(), colour.height(), std::move(grey)};
-}
-
-Result<void> write_png(const std::filesystem::path& file, const ColourImage& image) {
-  return write_any_png(file, image, CV_8UC3);
-}
-
-Result<void> write_png(const std::filesystem::path& file, const GreyImage& image) {
-  return write_any_png(file, image, CV_8UC1);
-}
-
-Result<void> write_png(const std::filesystem::path& file, const RawDepthImage& image) {
-  return write_any_png(file, image, CV_16UC1);
 }
 
 }  // namespace ydd

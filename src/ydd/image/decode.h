@@ -5,14 +5,12 @@
 
 #include "ydd/base/result.h"
 #include "ydd/geometry/camera.h"
+#include "ydd/image/encode.h"  // IWYU pragma: export
 #include "ydd/image/image.h"
 
-/// Image files to pixels and back. All functions may be called from any thread; none prints.
-/// Failures are one line that starts with the file.
+/// Image files to pixels, and what every frame needs done to them. All functions may be called from
+/// any thread; none prints. Failures are one line that starts with the file.
 namespace ydd {
-
-/// Depth as stored in a file: counts of 1 / Camera::depth_scale metres, 0 is *no reading*.
-using RawDepthImage = Image<std::uint16_t>;
 
 /// A PNG or JPEG file with 8 bits a channel, as BGR; grey files get three equal channels, alpha is
 /// dropped, an orientation tag is ignored (calibration is about pixels as stored).
@@ -33,10 +31,5 @@ RawDepthImage to_raw_depth(const DepthImage& depth_m, double depth_scale);
 
 /// Luma by ITU-R BT.601 (0.299 R + 0.587 G + 0.114 B), rounded to nearest.
 GreyImage to_grey(const ColourImage& colour);
-
-/// Written beside `file` and renamed: readers never see half an image. Depth has 16 bits.
-Result<void> write_png(const std::filesystem::path& file, const ColourImage& image);
-Result<void> write_png(const std::filesystem::path& file, const GreyImage& image);
-Result<void> write_png(const std::filesystem::path& file, const RawDepthImage& image);
 
 }  // namespace ydd

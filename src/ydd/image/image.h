@@ -48,5 +48,7 @@ using GreyImage = Image<std::uint8_t>;
 using ColourImage = Image<Bgr>;
 /// Depth along the optical axis in metres; 0 is *no reading*.
 using DepthImage = Image<float>;
+/// Depth as stored in a file: counts of 1 / Camera::depth_scale metres, 0 is *no reading*.
+using RawDepthImage = Image<std::uint16_t>;
 
 }  // namespace ydd

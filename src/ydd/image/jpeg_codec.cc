@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ydd/image/jpeg_decoder.h"
+#include "ydd/image/jpeg_codec.h"
 
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>  // jpeglib.h needs it
+#include <cstdlib>
+#include <memory>
 
 #include <jerror.h>
 #include <jpeglib.h>
@@ -38,15 +40,20 @@ void count_warning(j_common_ptr info, int level) {
 void print_nothing(j_common_ptr) {}
 }
 
+jpeg_error_mgr* silent_errors(ErrorManager& errors) {
+  jpeg_std_error(&errors.base);
+  errors.base.error_exit = leave_on_error;
+  errors.base.emit_message = count_warning;
+  errors.base.output_message = print_nothing;
+  return &errors.base;
+}
+
 /// Fills `pixels`, of the size in `header`. False if the file is damaged. Holds nothing with a
 /// destructor, which a jump would skip.
 bool decode(std::string_view bytes, const ImageHeader& header, Bgr* pixels) {
   jpeg_decompress_struct info{};
   ErrorManager errors{};
-  info.err = jpeg_std_error(&errors.base);
-  errors.base.error_exit = leave_on_error;
-  errors.base.emit_message = count_warning;
-  errors.base.output_message = print_nothing;
+  info.err = silent_errors(errors);
   if (setjmp(errors.leave) != 0) {  // NOLINT: libjpeg's way
     jpeg_destroy_decompress(&info);
     return false;
@@ -68,6 +75,40 @@ bool decode(std::string_view bytes, const ImageHeader& header, Bgr* pixels) {
   return good;
 }
 
+/// A buffer that libjpeg allocates and grows.
+struct JpegBytes {
+  unsigned char* data = nullptr;
+  unsigned long size = 0;  // NOLINT(google-runtime-int): libjpeg's type
+};
+
+/// False if libjpeg gives up; holds nothing with a destructor.
+bool encode(const ColourImage& image, int quality, JpegBytes& out) {
+  jpeg_compress_struct info{};
+  ErrorManager errors{};
+  info.err = silent_errors(errors);
+  if (setjmp(errors.leave) != 0) {  // NOLINT: libjpeg's way
+    jpeg_destroy_compress(&info);
+    return false;
+  }
+  jpeg_create_compress(&info);
+  jpeg_mem_dest(&info, &out.data, &out.size);
+  info.image_width = static_cast<JDIMENSION>(image.width());
+  info.image_height = static_cast<JDIMENSION>(image.height());
+  info.input_components = 3;
+  info.in_color_space = JCS_EXT_BGR;
+  jpeg_set_defaults(&info);
+  jpeg_set_quality(&info, quality, TRUE);
+  jpeg_start_compress(&info, TRUE);
+  while (info.next_scanline < info.image_height) {
+    const Bgr* const pixels = image.row(static_cast<int>(info.next_scanline));
+    auto* row = const_cast<JSAMPROW>(pixels->data());  // NOLINT(*-const-cast): only read
+    jpeg_write_scanlines(&info, &row, 1);
+  }
+  jpeg_finish_compress(&info);
+  jpeg_destroy_compress(&info);
+  return true;
+}
+
 }  // namespace
 
 Result<std::vector<Bgr>> decode_jpeg(std::string_view bytes, const ImageHeader& header) {
@@ -77,6 +118,14 @@ Result<std::vector<Bgr>> decode_jpeg(std::string_view bytes, const ImageHeader& 
   std::vector<Bgr> pixels(static_cast<std::size_t>(header.width_px) * header.height_px);
   if (!decode(bytes, header, pixels.data())) return Error{"is damaged; copy or download it again"};
   return pixels;
+}
+
+Result<std::string> encode_jpeg(const ColourImage& image, int quality) {
+  JpegBytes out;
+  const bool good = encode(image, quality, out);
+  const std::unique_ptr<unsigned char, decltype(&std::free)> owner(out.data, &std::free);
+  if (!good) return Error{"cannot be encoded as JPEG"};
+  return std::string(reinterpret_cast<const char*>(out.data), out.size);
 }
 
 }  // namespace ydd

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -17,5 +18,9 @@ namespace ydd {
 /// marker (some webcams) are not. Failure: the reason only; the
 /// caller names the file.
 Result<std::vector<Bgr>> decode_jpeg(std::string_view bytes, const ImageHeader& header);
+
+/// A JPEG file of `image` (not empty) with chroma at half resolution; `quality` from 1 to 100.
+/// Failure: the reason only.
+Result<std::string> encode_jpeg(const ColourImage& image, int quality);
 
 }  // namespace ydd
