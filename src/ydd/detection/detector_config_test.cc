@@ -45,7 +45,7 @@ class DetectorFile : public testing::Test {
     testing::internal::CaptureStderr();
     const auto detector = make_detector(write("detector.yaml", yaml), set);
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-    const std::string message = detector ? "no failure" : detector.error().message;
+    std::string message = detector ? "no failure" : detector.error().message;
     EXPECT_EQ(message.find('\n'), std::string::npos);
     return message;
   }
@@ -218,7 +218,8 @@ bool find_weights() {
   if (data == nullptr) return false;
   const auto models = std::filesystem::path(data).parent_path() / "models";
   if (!std::filesystem::is_directory(models)) return false;
-  return ::setenv("YDD_MODELS", models.c_str(), 0) == 0;
+  // One thread only here.
+  return ::setenv("YDD_MODELS", models.c_str(), 0) == 0;  // NOLINT(concurrency-mt-unsafe)
 }
 
 TEST(ProjectDetectors, AllFilesAreUnderstood) {

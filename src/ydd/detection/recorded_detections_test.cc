@@ -116,7 +116,7 @@ TEST_F(RecordedDetectionsFile, WrittenFramesReadBackBitByBit) {
 TEST_F(RecordedDetectionsFile, ErrorsNameFileAndLine) {
   const std::string good = std::string(kGood) + "\n";
   const auto in_line_2 = [&](const std::string& line) {
-    const std::string message = error_of(good + line);
+    std::string message = error_of(good + line);
     EXPECT_THAT(message, HasSubstr("detections.jsonl:2: "));
     EXPECT_EQ(message.find('\n'), std::string::npos);
     return message;
