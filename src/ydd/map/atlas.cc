@@ -57,13 +57,15 @@ KeyFrameId Atlas::add_keyframe(KeyFrame keyframe) {
 }
 
 MapPointId Atlas::add_point(const Eigen::Vector3d& p_world, KeyFrameId keyframe, int keypoint) {
-  MapPoint point;
-  point.p_world = p_world;
-  point.born = keyframes_.at(keyframe).serial;
-  const MapPointId id = points_.insert(std::move(point));
-  if (!add_sighting(id, keyframe, keypoint)) {
+  const KeyFrame& seen_by = keyframes_.at(keyframe);
+  if (seen_by.points.at(static_cast<std::size_t>(keypoint)).valid()) {
     throw std::logic_error("Atlas: add_point on a keypoint that has a point");
   }
+  MapPoint point;
+  point.p_world = p_world;
+  point.born = seen_by.serial;
+  const MapPointId id = points_.insert(std::move(point));
+  add_sighting(id, keyframe, keypoint);
   refresh_point(id);
   return id;
 }
@@ -103,6 +105,7 @@ void Atlas::remove_point(MapPointId point) {
 
 void Atlas::merge_points(MapPointId from, MapPointId into) {
   if (from == into) return;
+  points_.at(into);  // throws before anything is changed
   const MapPoint replaced = points_.at(from);
   remove_point(from);
   for (const Sighting& s : replaced.sightings) add_sighting(into, s.keyframe, s.keypoint);
@@ -128,6 +131,12 @@ void Atlas::set_parent(KeyFrameId keyframe, KeyFrameId parent) {
 void Atlas::set_map(KeyFrameId keyframe, MapId map) {
   ++revision_;
   keyframes_.edit(keyframe).map = map;
+}
+
+void Atlas::add_loop(KeyFrameId a, KeyFrameId b) {
+  ++revision_;
+  keyframes_.edit(a).loops.push_back(b);
+  keyframes_.edit(b).loops.push_back(a);
 }
 
 void Atlas::count_views(MapPointId point, int visible, int found) {
@@ -173,6 +182,15 @@ std::optional<SE3> Atlas::T_world_keyframe(KeyFrameId id) const {
     T_ancestor_keyframe = culled->second.T_parent_keyframe * T_ancestor_keyframe;
     id = culled->second.parent;
   }
+}
+
+KeyFrameId Atlas::nearest_kept(KeyFrameId id) const {
+  while (!keyframes_.contains(id)) {
+    const auto culled = culled_->find(id);
+    if (culled == culled_->end()) return {};
+    id = culled->second.parent;
+  }
+  return id;
 }
 
 }  // namespace ydd

@@ -62,6 +62,11 @@ class Atlas {
   void set_position(MapPointId point, const Eigen::Vector3d& p_world);
   void set_parent(KeyFrameId keyframe, KeyFrameId parent);
   void set_map(KeyFrameId keyframe, MapId map);
+  /// Remembers that two keyframes closed a loop.
+  void add_loop(KeyFrameId a, KeyFrameId b);
+  /// Makes `root` hang below `parent`, turning round the chain of parents above it: welds the
+  /// spanning tree of one map to another's.
+  void reroot(KeyFrameId root, KeyFrameId parent);
   /// Adds to how often a point should have been seen and was.
   void count_views(MapPointId point, int visible, int found);
   /// Recomputes descriptor, normal and distances of a point from its sightings.
@@ -72,6 +77,9 @@ class Atlas {
 
   /// Pose of a keyframe, also of a culled one. Nothing for an id that never was.
   std::optional<SE3> T_world_keyframe(KeyFrameId id) const;
+  /// The keyframe itself while it is kept, else the nearest kept one that it hangs on. Empty for an
+  /// id that never was.
+  KeyFrameId nearest_kept(KeyFrameId id) const;
 
   /// The keyframe added last that is still kept; empty when there is none.
   KeyFrameId newest_keyframe() const { return newest_; }
@@ -94,6 +102,7 @@ class Atlas {
   KeyFrameId best_new_parent(KeyFrameId child, const std::vector<KeyFrameId>& orphans) const;
   void adopt_children(KeyFrameId culled);
   KeyFrameId youngest() const;
+  bool has_root(KeyFrameId id) const;
 
   Camera camera_;
   PyramidScales scales_;

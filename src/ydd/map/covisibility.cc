@@ -141,6 +141,16 @@ void Atlas::cull_keyframe(KeyFrameId id) {
   if (id == newest_) newest_ = youngest();
 }
 
+void Atlas::reroot(KeyFrameId root, KeyFrameId parent) {
+  ++revision_;
+  for (KeyFrameId id = root; id.valid();) {
+    const KeyFrameId above = at(id).parent;
+    keyframes_.edit(id).parent = parent;
+    parent = id;
+    id = above;
+  }
+}
+
 KeyFrameId Atlas::youngest() const {
   KeyFrameId youngest;
   std::int64_t serial = -1;
@@ -150,6 +160,14 @@ KeyFrameId Atlas::youngest() const {
     youngest = id;
   });
   return youngest;
+}
+
+bool Atlas::has_root(KeyFrameId id) const {
+  std::size_t steps = 0;
+  for (const KeyFrame* k = find(id); k && k->parent.valid(); k = find(k->parent)) {
+    if (++steps > keyframes_.size()) return false;
+  }
+  return true;
 }
 
 std::vector<std::string> Atlas::check_consistency() const {
@@ -179,6 +197,7 @@ std::vector<std::string> Atlas::check_consistency() const {
     if (!keyframe.parent.valid() ? !is_first(id) : !find(keyframe.parent)) {
       faults.push_back(fmt::format("keyframe {}: no parent", id.slot));
     }
+    if (!has_root(id)) faults.push_back(fmt::format("keyframe {}: ring of parents", id.slot));
     for (const Covisible& c : keyframe.covisible) {
       const KeyFrame* other = find(c.keyframe);
       const Covisible back{id, c.weight};

@@ -31,7 +31,7 @@ struct LocalMap {
 KeyFrameId most_shared_keyframe(const Atlas& atlas, std::span<const MapPointId> points);
 
 /// Gathers the keyframes that see any of `points` and their neighbours (best covisible ones,
-/// children, parent), at most `max_keyframes`, and all their points. When no point is known, the
+/// parent), at most `max_keyframes`, and all their points. When no point is known, the
 /// neighbourhood of `fallback`.
 LocalMap gather_local_map(const Atlas& atlas, std::span<const MapPointId> points,
                           KeyFrameId fallback, int max_keyframes);

@@ -11,6 +11,7 @@
 #include "ydd/base/timestamp.h"
 #include "ydd/dynamics/observations.h"
 #include "ydd/features/matching.h"
+#include "ydd/features/vocabulary.h"
 #include "ydd/geometry/se3.h"
 
 namespace ydd {
@@ -54,6 +55,9 @@ struct KeyFrame {
   std::vector<MapPointId> points;            ///< per keypoint; empty id: none
   KeyFrameId parent;                         ///< in the spanning tree; empty for a map's first
   std::vector<Covisible> covisible;          ///< heaviest first; ties by serial
+
+  std::vector<KeyFrameId> loops;            ///< keyframes it closed a loop with
+  std::shared_ptr<const BagOfWords> words;  ///< what it looks like, for place recognition
 
   const Features& features() const { return observations->features; }
 };

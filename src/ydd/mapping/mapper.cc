@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "ydd/mapping/apply_correction.h"
 #include "ydd/mapping/fuse.h"
 
 namespace ydd {
@@ -57,6 +58,14 @@ MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token
   return report;
 }
 
+void Mapper::apply(const Correction& correction) {
+  apply_correction(atlas_, correction);
+  if (correction.seam) {
+    sew(atlas_, *correction.seam, options_.fuse_radius_px, options_.min_covisible_weight,
+        options_.match);
+  }
+}
+
 KeyFrameId Mapper::insert(const KeyFrameCandidate& candidate) {
   const TrackedFrame& frame = candidate.frame;
   KeyFrame keyframe;
@@ -65,8 +74,12 @@ KeyFrameId Mapper::insert(const KeyFrameCandidate& candidate) {
   keyframe.observations = frame.observations;
   keyframe.grid = frame.grid;
   keyframe.points = frame.points;
+  keyframe.words = std::make_shared<const BagOfWords>(
+      bag_of_words(builtin_vocabulary(), frame.features().descriptors));
   const auto T_world_reference = atlas_.T_world_keyframe(candidate.reference);
-  const KeyFrame* reference = atlas_.find(candidate.reference);
+  // It may also have been culled; then the keyframe that it hangs on stands in.
+  const KeyFrameId reference_id = atlas_.nearest_kept(candidate.reference);
+  const KeyFrame* reference = atlas_.find(reference_id);
   keyframe.map = reference ? reference->map : atlas_.new_map();
   // The reference may have moved since the frame was tracked: keep the relation, not the number.
   keyframe.T_world_camera = T_world_reference ? *T_world_reference * candidate.T_reference_camera
@@ -80,7 +93,7 @@ KeyFrameId Mapper::insert(const KeyFrameCandidate& candidate) {
     if (atlas_.find(views.point)) atlas_.count_views(views.point, views.visible, views.found);
   }
   atlas_.refresh_covisibility(id, options_.min_covisible_weight);
-  if (reference && !atlas_.at(id).parent.valid()) atlas_.set_parent(id, candidate.reference);
+  if (reference_id.valid() && !atlas_.at(id).parent.valid()) atlas_.set_parent(id, reference_id);
   return id;
 }
 

@@ -8,6 +8,7 @@
 
 #include "ydd/base/timing.h"
 #include "ydd/map/atlas.h"
+#include "ydd/map/correction.h"
 #include "ydd/mapping/cull.h"
 #include "ydd/mapping/local_bundle.h"
 #include "ydd/mapping/triangulate.h"
@@ -50,6 +51,9 @@ class Mapper {
 
   /// Takes a candidate into the map. `stop` interrupts bundle adjustment (the map stays valid).
   MapperReport process(const KeyFrameCandidate& candidate, std::stop_token stop = {});
+
+  /// Takes over a correction that was computed on an earlier snapshot.
+  void apply(const Correction& correction);
 
   /// The map as it is, immutable.
   std::shared_ptr<const Atlas> snapshot() { return atlas_.snapshot(); }

@@ -68,12 +68,15 @@ void RunRecorder::add_skipped(std::int64_t frame, const std::string& reason) {
 
 std::map<std::string, RunRecorder::Series> RunRecorder::mapper_series(const SlamSystem& system) {
   std::map<std::string, Series> stages;
-  for (const MapperReport& report : system.mapper_reports()) {
-    for (const StageTime& t : report.times) {
+  const auto add = [&](const StageTimes& times) {
+    for (const StageTime& t : times) {
       stages[t.stage].wall_ms.push_back(t.wall_ms);
       stages[t.stage].cpu_ms.push_back(t.cpu_ms);
     }
-  }
+  };
+  const MappingReports reports = system.mapping_reports();
+  for (const MapperReport& report : reports.keyframes) add(report.times);
+  add(reports.loop_times);
   return stages;
 }
 
@@ -94,6 +97,14 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
   for (const auto& [stage, series] : stages_) {
     medians[stage] = statistics_of(series.cpu_ms).median;
   }
+  Json loops = Json::array();
+  for (const LoopReport& loop : system.mapping_reports().loops) {
+    loops.push_back({{"frame", loop.current_frame},
+                     {"matched_frame", loop.matched_frame},
+                     {"points", loop.inliers},
+                     {"shift_m", loop.shift_m},
+                     {"welded_maps", loop.welded}});
+  }
   const auto frames_in = processed_ + dropped_ + static_cast<int>(skipped_.size());
   const Json out = {
       {"version", kVersion},
@@ -109,6 +120,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"frames_skipped", skipped},
       {"frames_tracked", tracked_},
       {"lost_spans", lost},
+      {"loops", loops},
       {"keyframes_inserted", keyframes_},
       {"keyframes_kept", atlas->keyframes().size()},
       {"map_points", atlas->points().size()},

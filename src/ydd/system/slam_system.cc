@@ -10,8 +10,8 @@ namespace {
 std::unique_ptr<MappingRunner> make_mapping(const Camera& camera, const SystemOptions& options) {
   Mapper mapper(camera, PyramidScales::make(options.orb.levels, options.orb.scale_step),
                 options.mapping);
-  return options.deterministic ? make_inline_mapping(std::move(mapper))
-                               : make_threaded_mapping(std::move(mapper));
+  return options.deterministic ? make_inline_mapping(std::move(mapper), options.loop)
+                               : make_threaded_mapping(std::move(mapper), options.loop);
 }
 
 }  // namespace

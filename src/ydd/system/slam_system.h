@@ -56,7 +56,7 @@ class SlamSystem {
   /// Poses of the keyframes that are kept.
   StampedPoses keyframe_trajectory() const;
   std::shared_ptr<const Atlas> atlas() const { return mapping_->atlas(); }
-  std::vector<MapperReport> mapper_reports() const { return mapping_->reports(); }
+  MappingReports mapping_reports() const { return mapping_->reports(); }
 
  private:
   Features extract(const RgbdFrame& frame, FrameReport& report);

@@ -8,6 +8,7 @@ void SystemOptions::describe(OptionTable& t) {
   t.group("dynamics", dynamics);
   t.group("tracking", tracking);
   t.group("mapping", mapping);
+  t.group("loop", loop);
   t.add("deterministic", deterministic, "map in the tracking thread: two runs give equal bytes");
 }
 

@@ -3,6 +3,7 @@
 
 #include "ydd/dynamics/dynamics_options.h"
 #include "ydd/features/orb_extractor.h"
+#include "ydd/loop/loop_closer.h"
 #include "ydd/mapping/mapper.h"
 #include "ydd/tracking/tracker.h"
 
@@ -14,6 +15,7 @@ struct SystemOptions {
   DynamicsOptions dynamics;
   TrackerOptions tracking;
   MapperOptions mapping;
+  LoopOptions loop;
   bool deterministic = false;
 
   void describe(OptionTable& table);

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <stop_token>
+
+#include "ydd/map/correction.h"
+#include "ydd/optimization/pose_graph.h"
+#include "ydd/place/place_query.h"
+#include "ydd/tracking/relocalization.h"
+
+namespace ydd {
+
+struct LoopOptions {
+  bool enabled = true;
+  int candidates = 4;
+  double min_score_ratio = 0.8;
+  int min_age_keyframes = 10;
+  int min_inliers = 40;
+  int consistent_keyframes = 2;
+  int consistent_inliers = 20;
+  int essential_weight = 60;
+  RelocalizationOptions match;
+  PoseGraphOptions graph;
+  bool full_bundle = true;
+  BundleOptions bundle;
+  void describe(OptionTable& table);
+};
+
+/// A place seen again: where the keyframe would stand if the older part of the map is right.
+struct LoopMatch {
+  KeyFrameId current;
+  KeyFrameId matched;
+  SE3 T_world_current;  ///< in the frame of the matched keyframe's map
+  int inliers = 0;
+};
+
+/// Looks for the place of `current` among older keyframes that share no points with it:
+/// candidates by bag of words (at least nearly as similar as a covisible neighbour), then matches,
+/// PnP, pose optimisation and guided search against the candidate's part of the map, then the same
+/// relative pose must hold for neighbours of `current`. Nothing unless all agree.
+std::optional<LoopMatch> find_loop(const Atlas& atlas, KeyFrameId current,
+                                   const LoopOptions& options);
+
+/// Spreads the correction of a loop over the map: pose-graph optimisation over the essential graph
+/// (spanning tree, strong covisibility, earlier loops). If the match is in another map, that map
+/// stays and the current one is moved onto it rigidly.
+/// Mur-Artal and Tardos, "ORB-SLAM2", IEEE T-RO 2017, section III-D.
+Correction correct_loop(const Atlas& atlas, const LoopMatch& match, const LoopOptions& options);
+
+/// Bundle adjustment over the whole map that `member` belongs to. Nothing if interrupted.
+std::optional<Correction> full_bundle(const Atlas& atlas, KeyFrameId member,
+                                      const LoopOptions& options, std::stop_token stop = {});
+
+}  // namespace ydd

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "ydd/map/atlas.h"
+
+namespace ydd {
+
+/// A change of the map, computed on a snapshot, as data. The owner of the map applies it; whatever
+/// is newer than the snapshot is carried along with its parent.
+struct Correction {
+  struct Seam {
+    KeyFrameId current;  ///< keyframe whose surroundings are to be fused ...
+    KeyFrameId matched;  ///< ... with the surroundings of this one
+  };
+  std::map<KeyFrameId, SE3> T_world_keyframe;     ///< new poses
+  std::map<MapPointId, Eigen::Vector3d> p_world;  ///< new positions; others follow a keyframe
+  std::optional<Seam> seam;                       ///< of a loop or weld
+};
+
+}  // namespace ydd

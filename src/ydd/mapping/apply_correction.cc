@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/mapping/apply_correction.h"
+
+#include <algorithm>
+
+#include "ydd/mapping/fuse.h"
+
+namespace ydd {
+namespace {
+
+constexpr std::size_t kSeamNeighbours = 10;
+
+/// Keyframe ids from the oldest to the newest: parents that were there before come first.
+std::vector<KeyFrameId> oldest_first(const Atlas& atlas) {
+  std::vector<KeyFrameId> ids = atlas.keyframes().ids();
+  std::sort(ids.begin(), ids.end(),
+            [&](KeyFrameId a, KeyFrameId b) { return atlas.at(a).serial < atlas.at(b).serial; });
+  return ids;
+}
+
+/// World motion of each keyframe, by slot; nothing for those that stay.
+std::vector<std::optional<SE3>> motions(const Atlas& atlas, const Correction& correction) {
+  std::vector<std::optional<SE3>> T_new_old(atlas.keyframes().slots());
+  for (const KeyFrameId id : oldest_first(atlas)) {
+    const KeyFrame& keyframe = atlas.at(id);
+    const auto corrected = correction.T_world_keyframe.find(id);
+    if (corrected != correction.T_world_keyframe.end()) {
+      T_new_old[id.slot] = corrected->second * keyframe.T_world_camera.inverse();
+    } else if (atlas.find(keyframe.parent)) {
+      T_new_old[id.slot] = T_new_old[keyframe.parent.slot];
+    }
+  }
+  return T_new_old;
+}
+
+std::vector<KeyFrameId> surroundings(const Atlas& atlas, KeyFrameId centre) {
+  std::vector<KeyFrameId> out{centre};
+  for (const Covisible& c : atlas.at(centre).covisible) {
+    if (out.size() > kSeamNeighbours) break;
+    out.push_back(c.keyframe);
+  }
+  return out;
+}
+
+std::vector<MapPointId> points_seen_by(const Atlas& atlas, const std::vector<KeyFrameId>& ids) {
+  std::vector<MapPointId> points;
+  for (const KeyFrameId id : ids) {
+    for (const MapPointId point : atlas.at(id).points) {
+      if (point.valid()) points.push_back(point);
+    }
+  }
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+void join_maps(Atlas& atlas, const Correction::Seam& seam) {
+  const MapId from = atlas.at(seam.current).map;
+  const MapId into = atlas.at(seam.matched).map;
+  if (from == into) return;
+  for (const KeyFrameId id : atlas.keyframes().ids()) {
+    if (atlas.at(id).map == from) atlas.set_map(id, into);
+  }
+  atlas.reroot(seam.current, seam.matched);
+}
+
+}  // namespace
+
+void apply_correction(Atlas& atlas, const Correction& correction) {
+  const std::vector<std::optional<SE3>> T_new_old = motions(atlas, correction);
+  for (const MapPointId id : atlas.points().ids()) {
+    const MapPoint& point = atlas.at(id);
+    const auto placed = correction.p_world.find(id);
+    const auto& motion = T_new_old[point.sightings.front().keyframe.slot];
+    if (placed != correction.p_world.end()) {
+      atlas.set_position(id, placed->second);
+    } else if (motion) {
+      atlas.set_position(id, *motion * point.p_world);
+    }
+  }
+  for (const KeyFrameId id : atlas.keyframes().ids()) {
+    const auto& motion = T_new_old[id.slot];
+    if (motion) atlas.set_pose(id, *motion * atlas.at(id).T_world_camera);
+  }
+  for (const MapPointId id : atlas.points().ids()) atlas.refresh_point(id);
+}
+
+void sew(Atlas& atlas, const Correction::Seam& seam, double radius_px, int min_covisible_weight,
+         const MatchLimits& limits) {
+  if (!atlas.find(seam.current) || !atlas.find(seam.matched)) return;  // culled meanwhile
+  join_maps(atlas, seam);
+  atlas.add_loop(seam.current, seam.matched);
+  const std::vector<KeyFrameId> current = surroundings(atlas, seam.current);
+  const std::vector<MapPointId> theirs = points_seen_by(atlas, surroundings(atlas, seam.matched));
+  for (const KeyFrameId id : current) fuse_points(atlas, id, theirs, radius_px, limits);
+  for (const KeyFrameId id : current) atlas.refresh_covisibility(id, min_covisible_weight);
+}
+
+}  // namespace ydd

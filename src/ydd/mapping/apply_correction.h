@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ydd/map/correction.h"
+#include "ydd/tracking/projection_search.h"
+
+namespace ydd {
+
+/// Moves keyframes and points as the correction says; keyframes that it does not know yet go along
+/// with their parent, points with the first keyframe that saw them.
+void apply_correction(Atlas& atlas, const Correction& correction);
+
+/// Joins the two sides of a seam: one map, one spanning tree, duplicate points fused.
+void sew(Atlas& atlas, const Correction::Seam& seam, double radius_px, int min_covisible_weight,
+         const MatchLimits& limits);
+
+}  // namespace ydd
