@@ -14,7 +14,7 @@
 #include "ydd/dataset/tum_sequence.h"
 #include "ydd/detection/detector_config.h"
 #include "ydd/detection/recorded_detections.h"
-#include "ydd/image/decode.h"
+#include "ydd/image/encode.h"
 #include "ydd/map/map_dump.h"
 #include "ydd/system/run_recorder.h"
 #include "ydd/viewer/annotate.h"

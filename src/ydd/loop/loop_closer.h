@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "ydd/map/correction.h"
+#include "ydd/optimization/bundle_adjustment.h"
 #include "ydd/optimization/pose_graph.h"
 #include "ydd/place/place_query.h"
 #include "ydd/tracking/relocalization.h"

@@ -119,7 +119,7 @@ std::vector<Eigen::Vector2d> walk(int rooms) {
   }
   for (int room = rooms - 1; room >= 0; --room) {  // and back, along the desks
     const double x0 = room * sim::kRoomPitch_m;
-    for (const double x : {4.5, 3.0, 1.5}) p.emplace_back(x0 + x, 3.3);
+    for (const double x : {4.5, 3.0, 1.5}) p.emplace_back(x0 + x, 3.15);
     if (room > 0) pass(x0 - 0.5 * (sim::kRoomPitch_m - sim::kRoomWidth_m), -1.0);
   }
   return p;

@@ -11,18 +11,16 @@
 namespace ydd::sim {
 
 /// Bodies in the order of `make_person_bodies` and `place_person`; pairs are left, right.
-enum PersonBody {
-  kPelvis,
-  kChest,
-  kHead,
-  kUpperArm,
-  kForearm = kUpperArm + 2,
-  kHand = kForearm + 2,
-  kThigh = kHand + 2,
-  kShin = kThigh + 2,
-  kFoot = kShin + 2,
-  kPersonBodies = kFoot + 2
-};
+inline constexpr int kPelvis = 0;
+inline constexpr int kChest = 1;
+inline constexpr int kHead = 2;
+inline constexpr int kUpperArm = 3;
+inline constexpr int kForearm = 5;
+inline constexpr int kHand = 7;
+inline constexpr int kThigh = 9;
+inline constexpr int kShin = 11;
+inline constexpr int kFoot = 13;
+inline constexpr int kPersonBodies = 15;
 
 /// Sizes in metres, for a person of `scale` 1: 1.76 m.
 struct PersonShape {

@@ -17,7 +17,7 @@ constexpr auto kD = static_cast<float>(kRoomDepth_m);
 constexpr auto kH = static_cast<float>(kRoomHeight_m);
 constexpr float kDoorHeight_m = 2.05F;
 constexpr double kBusyWalls = 0.4;
-constexpr float kLampPower = 1.9F;
+constexpr float kLampPower = 2.4F;
 constexpr float kCell_m = 0.2F;  // of baked light on large surfaces
 
 SE3 at(double x, double y, double z = 0, double turn_rad = 0) {

@@ -48,7 +48,8 @@ class Simulator {
   const Camera& camera() const;
   /// Time of a frame; the first is at 1700000000 s, all on whole microseconds.
   Timestamp stamp(int index) const;
-  SE3 T_world_camera(int index) const;
+  /// T_world_camera of a frame, exact.
+  SE3 pose(int index) const;
   /// @throws std::logic_error unless 0 <= index < frame_count().
   SimulatedFrame render(int index) const;
 

@@ -2,19 +2,18 @@
 #include "ydd/simulation/tum_writer.h"
 
 #include <algorithm>
-#include <fstream>
+#include <iterator>
 #include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "ydd/base/files.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/image/decode.h"
+#include "ydd/image/encode.h"
 
 namespace ydd {
 namespace {
@@ -40,16 +39,6 @@ Result<void> make_folders(const fs::path& folder) {
     }
   }
   return {};
-}
-
-Result<void> write_jpeg(const fs::path& file, const ColourImage& image, int quality) {
-  cv::Mat pixels(image.height(), image.width(), CV_8UC3);
-  std::copy_n(image.data()->data(), pixels.total() * 3, pixels.data);
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".jpg", pixels, bytes, {cv::IMWRITE_JPEG_QUALITY, quality})) {
-    return Error{file.string() + ": cannot be encoded as JPEG"};
-  }
-  return write_file_atomically(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 std::string colour_name(Timestamp stamp, const TumWriterOptions& options) {
@@ -88,7 +77,7 @@ Result<void> write_lists(const Simulator& simulator, const fs::path& folder,
     rgb += colour_line + "\n";
     depth += depth_line + "\n";
     pairs += colour_line + " " + depth_line + "\n";
-    truth.push_back({stamp, simulator.T_world_camera(i)});
+    truth.push_back({stamp, simulator.pose(i)});
   }
   Camera camera = simulator.camera();
   OptionTable table;
