@@ -193,4 +193,13 @@ KeyFrameId Atlas::nearest_kept(KeyFrameId id) const {
   return id;
 }
 
+MapId Atlas::map_of(KeyFrameId id) const {
+  for (;;) {
+    if (const KeyFrame* keyframe = keyframes_.find(id)) return keyframe->map;
+    const auto culled = culled_->find(id);
+    if (culled == culled_->end()) return {};
+    id = culled->second.parent;
+  }
+}
+
 }  // namespace ydd

@@ -81,6 +81,9 @@ class Atlas {
   /// id that never was.
   KeyFrameId nearest_kept(KeyFrameId id) const;
 
+  /// The map that a keyframe belongs to, also of a culled one. Empty for an id that never was.
+  MapId map_of(KeyFrameId id) const;
+
   /// The keyframe added last that is still kept; empty when there is none.
   KeyFrameId newest_keyframe() const { return newest_; }
   /// Whether a keyframe is the one that started its map.

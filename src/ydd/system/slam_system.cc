@@ -2,6 +2,7 @@
 #include "ydd/system/slam_system.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 namespace ydd {
@@ -94,23 +95,34 @@ bool SlamSystem::submit(KeyFrameCandidate candidate) {
 
 void SlamSystem::finish() { mapping_->finish(); }
 
+MapId SlamSystem::main_map() const {
+  const auto map = atlas();
+  std::map<MapId, int> frames;
+  for (const TrajectoryEntry& entry : trajectory_) ++frames[map->map_of(entry.reference)];
+  const auto most =
+      std::max_element(frames.begin(), frames.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == frames.end() ? MapId{} : most->first;
+}
+
 StampedPoses SlamSystem::trajectory() const {
   const auto map = atlas();
+  const MapId wanted = main_map();
   StampedPoses poses;
   poses.reserve(trajectory_.size());
   for (const TrajectoryEntry& entry : trajectory_) {
+    if (map->map_of(entry.reference) != wanted) continue;
     const std::optional<SE3> T_world_reference = map->T_world_keyframe(entry.reference);
-    if (T_world_reference) {
-      poses.push_back({entry.stamp, *T_world_reference * entry.T_reference_camera});
-    }
+    poses.push_back({entry.stamp, T_world_reference.value() * entry.T_reference_camera});
   }
   return poses;
 }
 
 StampedPoses SlamSystem::keyframe_trajectory() const {
+  const MapId wanted = main_map();
   StampedPoses poses;
   atlas()->keyframes().for_each([&](KeyFrameId, const KeyFrame& keyframe) {
-    poses.push_back({keyframe.stamp, keyframe.T_world_camera});
+    if (keyframe.map == wanted) poses.push_back({keyframe.stamp, keyframe.T_world_camera});
   });
   std::sort(poses.begin(), poses.end(),
             [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });

@@ -51,9 +51,11 @@ class SlamSystem {
   /// Works off what the mapper still has. Afterwards nothing may be processed.
   void finish();
 
-  /// Poses of all frames that were tracked, resolved against the newest map.
+  /// Poses of the frames that were tracked in the main map (the one that most frames belong to),
+  /// resolved against its newest state. Frames of another map that was never welded to it have no
+  /// place in its world.
   StampedPoses trajectory() const;
-  /// Poses of the keyframes that are kept.
+  /// Poses of the keyframes of the main map.
   StampedPoses keyframe_trajectory() const;
   std::shared_ptr<const Atlas> atlas() const { return mapping_->atlas(); }
   MappingReports mapping_reports() const { return mapping_->reports(); }
@@ -63,6 +65,7 @@ class SlamSystem {
   Result<Detections> join_detections(FrameReport& report);
   void track(const RgbdFrame& frame, FrameReport& report);
   bool submit(KeyFrameCandidate candidate);
+  MapId main_map() const;
 
   Camera camera_;
   OrbExtractor extractor_;

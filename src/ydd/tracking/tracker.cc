@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "ydd/base/log.h"
+#include "ydd/place/place_query.h"
 
 namespace ydd {
 namespace {
@@ -79,6 +80,10 @@ void TrackerOptions::describe(OptionTable& t) {
   t.add("min_local_inliers", min_local_inliers, {3, 1000}, "",
         "map points that must agree with the final pose, else tracking is lost");
   t.add("max_local_keyframes", max_local_keyframes, {1, 1000}, "", "keyframes in the local map");
+  t.add("place_candidates", place_candidates, {0, 100}, "",
+        "most similar keyframes that are tried when lost");
+  t.add("new_map_after", new_map_after_s, {0.0, 3600.0}, "s",
+        "a new map is started when the camera has been lost for so long");
   t.add("close_depth", close_depth_m, {0.1, 100.0}, "m",
         "nearer depth readings become points at once");
 }
@@ -95,13 +100,13 @@ TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_i
   StageTimer initial_timer(result.times, "initial_pose");
   const std::optional<PoseFromMatches> pose = initial_pose(frame, atlas);
   initial_timer.stop();
-  if (!pose) return finish_lost(std::move(result));
+  if (!pose) return finish_lost(std::move(frame), std::move(result));
   result.motion_inliers = static_cast<int>(pose->inliers.size());
   assign(*pose, frame);
   StageTimer local_timer(result.times, "local_map");
   const bool tracked = track_local_map(atlas, frame, result);
   local_timer.stop();
-  if (!tracked) return finish_lost(std::move(result));
+  if (!tracked) return finish_lost(std::move(frame), std::move(result));
   return finish_tracked(std::move(frame), atlas, std::move(result), mapper_idle);
 }
 
@@ -122,7 +127,7 @@ TrackResult Tracker::initialize(TrackedFrame frame) {
 
 bool Tracker::adopt_first_keyframe(const Atlas& atlas) {
   const KeyFrameId id = atlas.newest_keyframe();
-  if (!last_ || !id.valid()) return false;
+  if (!last_ || !id.valid() || atlas.at(id).frame_index != last_->index) return false;
   last_reference_ = id;
   T_reference_last_ = SE3();
   state_ = TrackingState::tracking;
@@ -140,7 +145,13 @@ void Tracker::refresh_last_frame(const Atlas& atlas) {
     T_reference_last_ = SE3();
   }
   if (const std::optional<SE3> T_world_reference = atlas.T_world_keyframe(last_reference_)) {
-    last_->T_camera_world = (*T_world_reference * T_reference_last_).inverse();
+    const SE3 T_world_last = *T_world_reference * T_reference_last_;
+    last_->T_camera_world = T_world_last.inverse();
+    // A culled reference can be no fallback and has no neighbours: go on with the one it hangs on.
+    if (!atlas.find(last_reference_)) {
+      last_reference_ = atlas.nearest_kept(last_reference_);
+      T_reference_last_ = atlas.at(last_reference_).T_world_camera.inverse() * T_world_last;
+    }
   }
 }
 
@@ -183,9 +194,22 @@ std::optional<PoseFromMatches> Tracker::pose_by_reference(const TrackedFrame& fr
   return pose;
 }
 
+std::vector<KeyFrameId> Tracker::likely_keyframes(const TrackedFrame& frame,
+                                                  const Atlas& atlas) const {
+  std::vector<KeyFrameId> out = recent_keyframes(atlas, last_reference_);
+  const BagOfWords words = bag_of_words(builtin_vocabulary(), frame.features().descriptors);
+  const auto is_new = [&](KeyFrameId id) {
+    return std::find(out.begin(), out.end(), id) == out.end();
+  };
+  const auto places =
+      query_places(atlas, words, is_new, static_cast<std::size_t>(options_.place_candidates));
+  for (const PlaceCandidate& place : places) out.push_back(place.keyframe);
+  return out;
+}
+
 std::optional<PoseFromMatches> Tracker::pose_by_relocalization(const TrackedFrame& frame,
                                                                const Atlas& atlas) const {
-  const auto found = relocalize(atlas, frame, recent_keyframes(atlas, last_reference_),
+  const auto found = relocalize(atlas, frame, likely_keyframes(frame, atlas),
                                 options_.relocalization, options_.pose, options_.match);
   if (!found) return std::nullopt;
   return PoseFromMatches{found->T_camera_world, found->inliers, Matrix6d::Zero()};
@@ -306,13 +330,19 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   return result;
 }
 
-TrackResult Tracker::finish_lost(TrackResult result) {
+TrackResult Tracker::finish_lost(TrackedFrame frame, TrackResult result) {
   if (state_ == TrackingState::tracking) {
-    log::warning("frame {}: tracking lost ({} points agree)", last_->index + 1, result.inliers);
+    log::warning("frame {}: tracking lost ({} points agree)", frame.index, result.inliers);
+    lost_since_ = frame.stamp;
   }
   state_ = result.state = TrackingState::lost;
   T_camera_last_.reset();
-  return result;
+  if (seconds_between(lost_since_, frame.stamp) < options_.new_map_after_s) return result;
+  TrackResult fresh = initialize(std::move(frame));
+  if (!fresh.candidate) return result;
+  log::info("frame {}: lost for too long, starting a new map", last_->index);
+  state_ = TrackingState::initializing;
+  return fresh;
 }
 
 }  // namespace ydd

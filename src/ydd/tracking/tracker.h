@@ -33,6 +33,8 @@ struct TrackerOptions {
   int min_local_inliers = 20;
   int max_local_keyframes = 80;
   double close_depth_m = 3.0;
+  int place_candidates = 5;
+  double new_map_after_s = 3.0;
   void describe(OptionTable& table);
 };
 
@@ -89,6 +91,7 @@ class Tracker {
 
   TrackResult initialize(TrackedFrame frame);
   bool adopt_first_keyframe(const Atlas& atlas);
+  std::vector<KeyFrameId> likely_keyframes(const TrackedFrame& frame, const Atlas& atlas) const;
   void refresh_last_frame(const Atlas& atlas);
   std::optional<PoseFromMatches> initial_pose(const TrackedFrame& frame, const Atlas& atlas) const;
   std::optional<PoseFromMatches> pose_by_motion(const TrackedFrame& frame,
@@ -106,7 +109,7 @@ class Tracker {
                               const TrackResult& result, bool mapper_idle) const;
   TrackResult finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
                              bool mapper_idle);
-  TrackResult finish_lost(TrackResult result);
+  TrackResult finish_lost(TrackedFrame frame, TrackResult result);
 
   TrackerOptions options_;
   TrackingState state_ = TrackingState::initializing;
@@ -115,6 +118,7 @@ class Tracker {
   SE3 T_reference_last_;
   std::optional<SE3> T_camera_last_;  ///< velocity: motion over the last frame interval
   Timestamp last_candidate_stamp_;
+  Timestamp lost_since_;      ///< valid while lost
   std::vector<Views> views_;  ///< by slot of the point
 };
 
