@@ -33,6 +33,8 @@ void add_run_command(CLI::App& app, Job& job) {
   command->add_option("--max-frames", request->max_frames, "Stop after so many frames");
   command->add_option("--frames", request->pictures,
                       "Folder for a picture of each frame: boxes, kept and rejected points");
+  command->add_option("--frames-every", request->pictures_every, "Only of every N-th frame")
+      ->check(CLI::Range(1, 1000000));
   command->add_option("--seed", request->seed, "Seed of every random choice");
   command
       ->add_option("--trajectory-format", request->trajectory_format,

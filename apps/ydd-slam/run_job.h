@@ -27,6 +27,7 @@ struct RunRequest {
   std::string dynamic;
   std::string trajectory_format = "tum";
   SequenceOptions sequence_options;
+  int pictures_every = 1;
   int max_frames = 0;  ///< 0: all
   int seed = -1;       ///< negative: as configured
   bool realtime = false;
