@@ -69,10 +69,12 @@ void RefinementOptions::describe(OptionTable& table) {
   table.add("own_heads", own_heads, "a head belongs to one person only when persons overlap");
   table.add("entangled_by_head", entangled_by_head,
             "an entangled person with a head of its own is judged by that head's depth");
-  table.add("entangled_by_rest", entangled_by_rest,
-            "an entangled person without a head is judged by what the others leave of its box");
+  table.add("hidden_bodies", hidden_bodies,
+            "an overlapping person without a head is judged by what the others leave of its box");
   table.add("rest_share", rest_share, {0, 1}, "",
             "share of the readings in the box that the others must leave");
+  table.add("spare_unmeasured", spare_unmeasured,
+            "an object without depth is rejected only where a hand meets it, not near a body");
   table.add("any_hand", any_hand, "objects are moved by hands of overlapping persons too");
   table.add("lone_parts", lone_parts, "a head or hand without a person is judged by itself");
   table.add("surrounded", surrounded,
@@ -89,9 +91,10 @@ void RefinementOptions::describe(OptionTable& table) {
 RefinementOptions RefinementOptions::effective() const {
   RefinementOptions result = *this;
   if (enabled) return result;
-  for (bool* refinement : {&result.uncovered_heads, &result.own_heads, &result.entangled_by_head,
-                           &result.entangled_by_rest, &result.any_hand, &result.lone_parts,
-                           &result.surrounded, &result.connected, &result.bridging}) {
+  for (bool* refinement :
+       {&result.uncovered_heads, &result.own_heads, &result.entangled_by_head,
+        &result.hidden_bodies, &result.spare_unmeasured, &result.any_hand, &result.lone_parts,
+        &result.surrounded, &result.connected, &result.bridging}) {
     *refinement = false;
   }
   return result;

@@ -58,7 +58,7 @@ struct ConnectedThingOptions {
 
 /// Beyond the article: persons that the detector misses for a few frames.
 struct BridgingOptions {
-  int frames = 3;        ///< carried on for at most so many
+  int frames = 10;       ///< carried on for at most so many
   int seen = 3;          ///< only what was seen in so many
   double overlap = 0.3;  ///< intersection over union that makes two boxes the same person
   void describe(OptionTable& table);
@@ -70,8 +70,9 @@ struct RefinementOptions {
   bool uncovered_heads = true;    ///< a head behind a hand is measured beside the hand
   bool own_heads = true;          ///< a head belongs to one person only when persons overlap
   bool entangled_by_head = true;  ///< an entangled person with a head of its own keeps its range
-  bool entangled_by_rest = true;  ///< one without a head is judged by what the others leave of it
+  bool hidden_bodies = true;      ///< one without a head is judged by what the others leave of it
   double rest_share = 0.05;       ///< of the readings in its box that must be left
+  bool spare_unmeasured = true;   ///< an object without depth goes only where a hand meets it
   bool any_hand = true;           ///< objects are moved by hands of overlapping persons too
   bool lone_parts = true;         ///< a head or hand without a person is judged by itself
   bool surrounded = true;         ///< a point without depth goes when the readings round it go

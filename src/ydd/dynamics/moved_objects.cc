@@ -70,11 +70,16 @@ bool moved_by_hand(const DepthImage& depth_m, const SceneObject& hand, const Sce
   return touching >= options.contact_readings;
 }
 
-bool moved_near_body(std::span<const SceneObject> objects, const Body& body,
-                     const DepthRange& body_range, const SceneObject& object, int hands) {
+bool may_move_with(std::span<const SceneObject> objects, const Body& body,
+                   const SceneObject& object, int hands) {
   const auto seen = std::count_if(body.hands.begin(), body.hands.end(),
                                   [&](int i) { return objects[i].depth_m.has_value(); });
-  return seen < hands && object.depth_m && intersect(objects[body.person].box, object.box) &&
+  return seen < hands && intersect(objects[body.person].box, object.box);
+}
+
+bool moved_near_body(std::span<const SceneObject> objects, const Body& body,
+                     const DepthRange& body_range, const SceneObject& object, int hands) {
+  return may_move_with(objects, body, object, hands) && object.depth_m &&
          body_range.contains(*object.depth_m);
 }
 

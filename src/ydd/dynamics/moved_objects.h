@@ -2,7 +2,6 @@
 #pragma once
 
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "ydd/dynamics/body_matching.h"
@@ -26,8 +25,12 @@ std::vector<float> pushed_side_readings(const DepthImage& depth_m, const Box& ha
 bool moved_by_hand(const DepthImage& depth_m, const SceneObject& hand, const SceneObject& object,
                    double front_allowance, const MovedObjectOptions& options);
 
-/// Whether an object goes with a body whose hands are hidden: fewer than `hands` hands with a depth
-/// were matched, the boxes meet, and the object's depth lies within the body's range.
+/// Whether an object may go with a body unseen by its hands: fewer than `hands` hands with a depth
+/// were matched, and the boxes meet.
+bool may_move_with(std::span<const SceneObject> objects, const Body& body,
+                   const SceneObject& object, int hands);
+
+/// Whether it does: its depth lies within the body's range besides. False when it has failed.
 bool moved_near_body(std::span<const SceneObject> objects, const Body& body,
                      const DepthRange& body_range, const SceneObject& object, int hands);
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "ydd/dynamics/box_geometry.h"
-#include "ydd/dynamics/entangled_bodies.h"
+#include "ydd/dynamics/hidden_bodies.h"
 #include "ydd/dynamics/moved_objects.h"
 
 namespace ydd {
@@ -47,6 +47,19 @@ std::vector<int> moving_hands(const Scene& scene, const DynamicsOptions& options
   return hands;
 }
 
+/// Whether the depth of an object is asked for: a hand's box meets it, or (`near_bodies`) the box
+/// of a body whose hands are hidden.
+bool may_be_moved(const Scene& scene, const SceneObject& thing, bool near_bodies,
+                  const DynamicsOptions& options) {
+  const std::vector<int> hands = moving_hands(scene, options);
+  return std::any_of(hands.begin(), hands.end(),
+                     [&](int hand) { return intersect(scene.objects[hand].box, thing.box); }) ||
+         (near_bodies &&
+          std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const Body& body) {
+            return may_move_with(scene.objects, body, thing, options.matching.hands);
+          }));
+}
+
 /// Heads and hands whose box meets no person box.
 std::vector<int> lone_parts(const Scene& scene) {
   std::vector<int> parts;
@@ -60,6 +73,29 @@ std::vector<int> lone_parts(const Scene& scene) {
         if (lone) parts.push_back(i);
       });
   return parts;
+}
+
+/// Of overlapping persons the nearer one gives the measured depth of both boxes. Where no head
+/// tells the farther one apart, what the others leave of its box does.
+std::vector<MovingRegion> with_hidden_bodies(const Scene& scene, const DynamicsOptions& options,
+                                             std::vector<MovingRegion> regions) {
+  const RefinementOptions refinement = options.refinement.effective();
+  if (!refinement.hidden_bodies) return regions;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    const bool headless = body.head < 0 || !scene.objects[body.head].depth_m;
+    const bool by_depth = regions[i].rule == Rule::body_depth;
+    if (body.coincidence <= 0.0F || !headless ||
+        (!by_depth && regions[i].rule != Rule::full_entangled)) {
+      continue;
+    }
+    const auto rest_m = unexplained_depth(scene.depth_m, i, regions, refinement.rest_share);
+    if (!rest_m) continue;
+    const DepthRange rest = person_range(*rest_m, scene.extents, options.front_allowance);
+    regions[i].range = by_depth ? joined(*regions[i].range, rest) : rest;
+    regions[i].rule = Rule::body_depth;
+  }
+  return regions;
 }
 
 }  // namespace
@@ -106,24 +142,24 @@ MovingRegion automatic_region(const Scene& scene, int object, const DynamicsOpti
 std::optional<MovingRegion> moved_region(const Scene& scene, int object,
                                          const DynamicsOptions& options) {
   const SceneObject& thing = scene.objects[object];
-  const auto moved_by = [&](Rule rule) {
-    return region_of(scene, object, rule,
-                     object_range(*thing.depth_m, thing.extent_m, options.front_allowance));
-  };
-  for (const int i : moving_hands(scene, options)) {
-    const SceneObject& hand = scene.objects[i];
-    if (!thing.depth_m && intersect(hand.box, thing.box)) {
-      return region_of(scene, object, Rule::full_depth_failed);
-    }
-    if (moved_by_hand(scene.depth_m, hand, thing, options.front_allowance, options.moved)) {
-      return moved_by(Rule::moved_by_hand);
+  if (!thing.depth_m) {
+    const bool spare = options.refinement.effective().spare_unmeasured;
+    if (!may_be_moved(scene, thing, !spare, options)) return std::nullopt;
+    return region_of(scene, object, Rule::full_depth_failed);
+  }
+  const DepthRange thing_range =
+      object_range(*thing.depth_m, thing.extent_m, options.front_allowance);
+  for (const int hand : moving_hands(scene, options)) {
+    if (moved_by_hand(scene.depth_m, scene.objects[hand], thing, options.front_allowance,
+                      options.moved)) {
+      return region_of(scene, object, Rule::moved_by_hand, thing_range);
     }
   }
   for (const Body& body : scene.bodies) {
     const auto range =
         body_range(depths_of(body, scene.objects), scene.extents, options.front_allowance);
     if (range && moved_near_body(scene.objects, body, *range, thing, options.matching.hands)) {
-      return moved_by(Rule::moved_near_body);
+      return region_of(scene, object, Rule::moved_near_body, thing_range);
     }
   }
   return std::nullopt;
@@ -156,18 +192,8 @@ std::vector<MovingRegion> body_regions(const Scene& scene, const DynamicsOptions
     if (variant == Variant::person) regions.push_back(person_region(scene, body, options));
     if (variant == Variant::full) regions.push_back(body_region(scene, body, options));
   }
-  const RefinementOptions refinement = options.refinement.effective();
-  if (variant == Variant::full && refinement.entangled_by_rest) {
-    for (MovingRegion& region : regions) {
-      if (region.rule != Rule::full_entangled) continue;
-      const auto rest_m =
-          unexplained_depth(scene.depth_m, region.box, regions, refinement.rest_share);
-      if (!rest_m) continue;
-      region.rule = Rule::body_depth;
-      region.range = person_range(*rest_m, scene.extents, options.front_allowance);
-    }
-  }
-  return regions;
+  return variant == Variant::full ? with_hidden_bodies(scene, options, std::move(regions))
+                                  : regions;
 }
 
 std::vector<MovingRegion> thing_regions(const Scene& scene, const DynamicsOptions& options) {

@@ -36,7 +36,8 @@ MovingRegion person_region(const Scene& scene, const Body& body, const DynamicsO
 MovingRegion automatic_region(const Scene& scene, int object, const DynamicsOptions& options);
 
 /// A potentially dynamic object: nothing while it is static; by its range when it is moved; as a
-/// whole when its depth has failed although a hand's box meets it.
+/// whole when its depth has failed although a hand or a body with hidden hands is near (with
+/// `spare_unmeasured` only a hand).
 std::optional<MovingRegion> moved_region(const Scene& scene, int object,
                                          const DynamicsOptions& options);
 
@@ -49,8 +50,8 @@ MovingRegion hand_region(const Scene& scene, int object, const DynamicsOptions& 
 MovingRegion lone_part_region(const Scene& scene, int object, const DynamicsOptions& options);
 
 /// The persons of a frame, one region each, in the order of the bodies; of variant `off` none. In
-/// variant `full` with `entangled_by_rest`, full rejections of entangled persons become ranges from
-/// what the other persons leave of their boxes.
+/// variant `full` with `hidden_bodies` the range of an overlapping person without a head takes in
+/// what the other persons leave of its box, instead of a full rejection where it was entangled.
 std::vector<MovingRegion> body_regions(const Scene& scene, const DynamicsOptions& options);
 
 /// Everything else that moves, variant `full` only: automatic objects, moved objects, lone parts,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ydd/dynamics/entangled_bodies.h"
+#include "ydd/dynamics/hidden_bodies.h"
 
 #include <algorithm>
 #include <vector>
@@ -13,16 +13,18 @@ namespace {
 constexpr int kSteps = 24;
 constexpr double kNearestShare = 0.1;
 
-bool explained(const PointSample& point, std::span<const MovingRegion> regions) {
-  return std::any_of(regions.begin(), regions.end(), [&](const MovingRegion& region) {
-    return region.range && in_region(region, point);
-  });
+bool explained(const PointSample& point, std::size_t own, std::span<const MovingRegion> regions) {
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    if (i != own && regions[i].range && in_region(regions[i], point)) return true;
+  }
+  return false;
 }
 
 }  // namespace
 
-std::optional<float> unexplained_depth(const DepthImage& depth_m, const Box& box,
-                                       std::span<const MovingRegion> others, double least_share) {
+std::optional<float> unexplained_depth(const DepthImage& depth_m, std::size_t index,
+                                       std::span<const MovingRegion> regions, double least_share) {
+  const Box& box = regions[index].box;
   std::vector<float> rest;
   int readings = 0;
   for (int row = 1; row < kSteps; ++row) {
@@ -33,7 +35,7 @@ std::optional<float> unexplained_depth(const DepthImage& depth_m, const Box& box
       point.depth_m = depth_at(depth_m, point.x_px, point.y_px);
       if (point.depth_m <= 0.0F) continue;
       ++readings;
-      if (!explained(point, others)) rest.push_back(point.depth_m);
+      if (!explained(point, index, regions)) rest.push_back(point.depth_m);
     }
   }
   if (rest.empty() || static_cast<double>(rest.size()) < least_share * readings) {

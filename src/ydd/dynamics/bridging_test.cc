@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/dynamics/bridging.h"
+
+#include <gtest/gtest.h>
+
+namespace ydd {
+namespace {
+
+const BridgingOptions kOptions;
+
+MovingRegion body_at(float x) {
+  return {0, Rule::body_depth, {x, 100, x + 100, 400}, DepthRange{1.0F, 2.0F}};
+}
+
+Bridging step(const Bridging& before, const std::vector<MovingRegion>& bodies,
+              const BridgingOptions& options = kOptions) {
+  return bridge(before.tracks, bodies, 640, 480, options);
+}
+
+/// A person seen in `frames` frames, 10 px further right in each.
+Bridging walked(int frames) {
+  Bridging state;
+  for (int i = 0; i < frames; ++i) state = step(state, {body_at(100 + 10 * static_cast<float>(i))});
+  return state;
+}
+
+TEST(Bridge, APersonInSightNeedsNoBridge) {
+  const Bridging state = walked(4);
+  EXPECT_TRUE(state.regions.empty());
+  ASSERT_EQ(state.tracks.size(), 1U);
+  EXPECT_EQ(state.tracks[0].seen, 4);
+  EXPECT_FLOAT_EQ(state.tracks[0].dx_px, 10);
+  EXPECT_FLOAT_EQ(state.tracks[0].dy_px, 0);
+}
+
+TEST(Bridge, AMissedPersonIsCarriedOnByItsMotion) {
+  const Bridging once = step(walked(3), {});
+  ASSERT_EQ(once.regions.size(), 1U);
+  EXPECT_EQ(once.regions[0].rule, Rule::bridged);
+  EXPECT_EQ(once.regions[0].object, -1);
+  EXPECT_EQ(once.regions[0].box, (Box{130, 100, 230, 400}));
+  EXPECT_EQ(once.regions[0].range, (DepthRange{1.0F, 2.0F}));
+  EXPECT_EQ(step(once, {}).regions[0].box, (Box{140, 100, 240, 400}));
+}
+
+TEST(Bridge, OnlySoLong) {
+  Bridging state = walked(3);
+  BridgingOptions options;
+  options.frames = 3;
+  for (int i = 0; i < 3; ++i) {
+    state = step(state, {}, options);
+    EXPECT_EQ(state.regions.size(), 1U) << i;
+  }
+  state = step(state, {}, options);
+  EXPECT_TRUE(state.regions.empty());
+  EXPECT_TRUE(state.tracks.empty());
+}
+
+TEST(Bridge, AFlickerIsNotCarriedOn) { EXPECT_TRUE(step(walked(2), {}).regions.empty()); }
+
+TEST(Bridge, APersonSeenAgainGoesOnAsBefore) {
+  const Bridging again = step(step(walked(3), {}), {body_at(141)});
+  EXPECT_TRUE(again.regions.empty());
+  ASSERT_EQ(again.tracks.size(), 1U);
+  EXPECT_EQ(again.tracks[0].missed, 0);
+  EXPECT_EQ(again.tracks[0].seen, 4);
+  EXPECT_FLOAT_EQ(again.tracks[0].dx_px, 10);
+}
+
+TEST(Bridge, OneThatLeavesTheImageEnds) {
+  Bridging state;
+  for (int i = 0; i < 3; ++i) {
+    state = bridge(state.tracks, std::vector{body_at(400 + 95 * static_cast<float>(i))}, 640, 480,
+                   {10, 3, 0.01});
+  }
+  ASSERT_EQ(state.tracks.size(), 1U);
+  EXPECT_TRUE(step(state, {}).regions.empty());
+}
+
+TEST(Bridge, TwoPersonsKeepTheirTracks) {
+  Bridging state;
+  for (int i = 0; i < 3; ++i) state = step(state, {body_at(100), body_at(160)});
+  state = step(state, {body_at(158)});
+  ASSERT_EQ(state.regions.size(), 1U);
+  EXPECT_EQ(state.regions[0].box.x0, 100);
+}
+
+TEST(Bridge, AFullRejectionIsCarriedOnAsSuch) {
+  MovingRegion whole = body_at(100);
+  whole.range.reset();
+  Bridging state;
+  for (int i = 0; i < 3; ++i) state = step(state, {whole});
+  ASSERT_EQ(step(state, {}).regions.size(), 1U);
+  EXPECT_FALSE(step(state, {}).regions[0].range);
+}
+
+}  // namespace
+}  // namespace ydd

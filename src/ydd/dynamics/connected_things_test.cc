@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/dynamics/connected_things.h"
+
+#include <gtest/gtest.h>
+
+#include "ydd/dynamics/scene_testing.h"
+
+namespace ydd {
+namespace {
+
+using scene_testing::PaintedScene;
+
+const ConnectedThingOptions kOptions;
+constexpr Box kBox{200, 100, 300, 480};
+const std::vector<MovingRegion> kBodies = {{7, Rule::body_depth, kBox, DepthRange{1.0F, 2.0F}}};
+
+TEST(DepthGrid, OneReadingForEachCell) {
+  PaintedScene scene(4.0F);
+  scene.paint({0, 0, 4, 4}, 0.0F).paint({1, 1, 2, 2}, 1.5F).paint({4, 0, 8, 4}, 0.0F);
+  const DepthGrid grid = make_depth_grid(scene.depth(), 4);
+  EXPECT_EQ(grid.columns, 160);
+  EXPECT_EQ(grid.rows, 120);
+  EXPECT_EQ(grid.at(0, 0), 1.5F);
+  EXPECT_EQ(grid.at(1, 0), 0.0F);
+  EXPECT_EQ(grid.at(2, 0), 4.0F);
+}
+
+TEST(Continuous, AStepIsAShareOfTheDepth) {
+  EXPECT_TRUE(continuous(1.0F, 1.02F, 0.03));
+  EXPECT_FALSE(continuous(1.0F, 1.04F, 0.03));
+  EXPECT_TRUE(continuous(4.0F, 4.1F, 0.03));
+  EXPECT_FALSE(continuous(0.0F, 0.0F, 0.03));
+}
+
+TEST(ConnectedThings, AHeldBookSticksOutOfTheBox) {
+  const DepthImage depth =
+      PaintedScene().paint(kBox, 1.5F).paint({300, 200, 360, 280}, 1.48F).depth();
+  const auto things = connected_things(depth, kBodies, kOptions);
+  ASSERT_EQ(things.size(), 1U);
+  EXPECT_EQ(things[0].rule, Rule::connected);
+  EXPECT_EQ(things[0].object, 7);
+  EXPECT_EQ(things[0].box, (Box{300, 200, 360, 280}));
+  EXPECT_TRUE(things[0].range->contains(1.48F));
+  EXPECT_FALSE(things[0].range->contains(4.0F));
+}
+
+TEST(ConnectedThings, AWallOrADeskGoesOn) {
+  const DepthImage depth =
+      PaintedScene().paint(kBox, 1.5F).paint({300, 200, 640, 280}, 1.5F).depth();
+  EXPECT_TRUE(connected_things(depth, kBodies, kOptions).empty());
+}
+
+TEST(ConnectedThings, AFloorLeavesTheRangeButDoesNotEnd) {
+  PaintedScene scene;
+  scene.paint(kBox, 1.5F);
+  for (int i = 0; i < 60; ++i) {  // rises from 1.96 m beyond the range's end at 2 m
+    const auto x = static_cast<float>(300 + 4 * i);
+    scene.paint({x, 400, x + 4, 480}, 1.5F + 0.02F * static_cast<float>(i));
+  }
+  EXPECT_TRUE(connected_things(scene.depth(), kBodies, kOptions).empty());
+}
+
+TEST(ConnectedThings, WhatStandsBehindOrApartIsNotConnected) {
+  PaintedScene scene;
+  scene.paint(kBox, 1.5F).paint({300, 200, 360, 280}, 1.9F).paint({320, 100, 360, 140}, 1.5F);
+  EXPECT_TRUE(connected_things(scene.depth(), kBodies, kOptions).empty());
+}
+
+TEST(ConnectedThings, ASurfaceBetweenTwoBodiesIsNotHeldByOne) {
+  std::vector<MovingRegion> bodies = kBodies;
+  bodies.push_back({8, Rule::body_depth, {360, 100, 460, 480}, DepthRange{1.0F, 2.0F}});
+  const DepthImage depth = PaintedScene().paint({200, 200, 460, 280}, 1.5F).depth();
+  EXPECT_TRUE(connected_things(depth, bodies, kOptions).empty());
+}
+
+TEST(ConnectedThings, TheImageBorderEndsASurface) {
+  const std::vector<MovingRegion> bodies = {
+      {0, Rule::body_depth, {0, 0, 600, 480}, DepthRange{1.0F, 2.0F}}};
+  const DepthImage depth = PaintedScene().paint({500, 200, 640, 280}, 1.5F).depth();
+  ASSERT_EQ(connected_things(depth, bodies, kOptions).size(), 1U);
+}
+
+TEST(ConnectedThings, SpecksDoNotCount) {
+  const DepthImage depth =
+      PaintedScene().paint(kBox, 1.5F).paint({300, 200, 308, 204}, 1.5F).depth();
+  EXPECT_TRUE(connected_things(depth, kBodies, kOptions).empty());
+}
+
+TEST(ConnectedThings, NoneForFullRejectionsAndBoxesOutside) {
+  const DepthImage depth = PaintedScene(1.5F).depth();
+  const std::vector<MovingRegion> bodies = {
+      {0, Rule::full_entangled, kBox, std::nullopt},
+      {1, Rule::body_depth, {-100, -100, -50, -50}, DepthRange{1.0F, 2.0F}}};
+  EXPECT_TRUE(connected_things(depth, bodies, kOptions).empty());
+  EXPECT_TRUE(connected_things(depth, {}, kOptions).empty());
+}
+
+}  // namespace
+}  // namespace ydd

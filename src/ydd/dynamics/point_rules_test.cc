@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/dynamics/point_rules.h"
+
+#include <gtest/gtest.h>
+
+#include "ydd/dynamics/scene_testing.h"
+
+namespace ydd {
+namespace {
+
+using scene_testing::PaintedScene;
+
+constexpr Box kBox{200, 100, 300, 300};
+const MovingRegion kBody{0, Rule::body_depth, kBox, DepthRange{1.0F, 2.0F}};
+const MovingRegion kWhole{1, Rule::full_entangled, kBox, std::nullopt};
+
+TEST(InRegion, NeedsBoxAndDepth) {
+  EXPECT_TRUE(in_region(kBody, {250, 200, 1.5F}));
+  EXPECT_FALSE(in_region(kBody, {250, 200, 2.5F}));
+  EXPECT_FALSE(in_region(kBody, {250, 200, 0}));
+  EXPECT_FALSE(in_region(kBody, {310, 200, 1.5F}));
+}
+
+TEST(InRegion, AFullRejectionAsksForNoDepth) {
+  EXPECT_TRUE(in_region(kWhole, {250, 200, 0}));
+  EXPECT_TRUE(in_region(kWhole, {250, 200, 9}));
+  EXPECT_FALSE(in_region(kWhole, {310, 200, 1.5F}));
+}
+
+TEST(AtEdge, EachOfTheFourPositions) {
+  const MovingRegion body{0, Rule::body_depth, {200, 100, 300, 300}, DepthRange{1.0F, 2.0F}};
+  const DepthImage depth = PaintedScene().paint({240, 200, 260, 220}, 1.5F).depth();
+  EXPECT_TRUE(at_edge(body, {237, 210, 4}, depth, 3));   // its right is on the body
+  EXPECT_TRUE(at_edge(body, {262, 210, 4}, depth, 3));   // left
+  EXPECT_TRUE(at_edge(body, {250, 197, 4}, depth, 3));   // below
+  EXPECT_TRUE(at_edge(body, {250, 222, 4}, depth, 3));   // above
+  EXPECT_FALSE(at_edge(body, {236, 210, 4}, depth, 3));  // four pixels away
+  EXPECT_FALSE(at_edge(body, {238, 198, 4}, depth, 3));  // diagonal neighbours are not looked at
+}
+
+TEST(AtEdge, TheBoxIsGrownByTheRadius) {
+  const DepthImage depth = PaintedScene().paint(kBox, 1.5F).depth();
+  EXPECT_TRUE(at_edge(kBody, {302, 200, 4}, depth, 3));
+  EXPECT_FALSE(at_edge(kBody, {303, 200, 4}, depth, 3));
+  EXPECT_TRUE(at_edge(kBody, {197, 200, 4}, depth, 3));
+}
+
+TEST(AtEdge, NeverOfAFullRejection) {
+  const DepthImage depth = PaintedScene().paint(kBox, 1.5F).depth();
+  EXPECT_FALSE(at_edge(kWhole, {302, 200, 4}, depth, 3));
+}
+
+TEST(SurroundedBy, AHoleInABodyButNotBesideIt) {
+  PaintedScene scene;
+  scene.paint(kBox, 1.5F).paint({240, 180, 260, 220}, 0);  // the shadow of an arm
+  scene.paint({290, 100, 320, 300}, 0);                    // the shadow beside the body
+  const DepthImage depth = scene.depth();
+  EXPECT_TRUE(surrounded_by(kBody, {250, 200, 0}, depth, 24, 3));
+  EXPECT_FALSE(surrounded_by(kBody, {296, 200, 0}, depth, 24, 1));
+}
+
+TEST(SurroundedBy, CountsEnclosedAxes) {
+  // A tall slit: the vertical axis ends beyond reach.
+  const DepthImage depth = PaintedScene().paint(kBox, 1.5F).paint({245, 100, 255, 300}, 0).depth();
+  EXPECT_TRUE(surrounded_by(kBody, {250, 200, 0}, depth, 24, 3));
+  EXPECT_FALSE(surrounded_by(kBody, {250, 200, 0}, depth, 24, 4));
+  EXPECT_FALSE(surrounded_by(kBody, {250, 200, 0}, depth, 3, 1));
+}
+
+TEST(SurroundedBy, ReadingsBehindDoNotCount) {
+  const DepthImage depth = PaintedScene(4.0F).paint({240, 180, 260, 220}, 0).depth();
+  EXPECT_FALSE(surrounded_by(kBody, {250, 200, 0}, depth, 24, 1));
+}
+
+TEST(SurroundedBy, OnlyPointsWithoutDepthInTheBoxOfARange) {
+  const DepthImage depth = PaintedScene(1.5F).depth();
+  EXPECT_FALSE(surrounded_by(kBody, {250, 200, 3.0F}, depth, 24, 1));
+  EXPECT_FALSE(surrounded_by(kBody, {350, 200, 0}, depth, 24, 1));
+  EXPECT_FALSE(surrounded_by(kWhole, {250, 200, 0}, depth, 24, 1));
+}
+
+TEST(RuleOf, RegionsBeforeEdgesBeforeSurroundings) {
+  const std::vector regions = {kBody,
+                               MovingRegion{1, Rule::moved_by_hand, kBox, DepthRange{1.8F, 3.0F}}};
+  const DepthImage depth =
+      PaintedScene(4.0F).paint({200, 100, 250, 300}, 1.5F).paint({210, 150, 240, 250}, 0).depth();
+  const PointRuleOptions options{3, 24, 3};
+  EXPECT_EQ(rule_of({205, 120, 1.5F}, regions, depth, options), Rule::body_depth);
+  EXPECT_EQ(rule_of({205, 120, 1.9F}, regions, depth, options), Rule::body_depth);
+  EXPECT_EQ(rule_of({205, 120, 2.5F}, regions, depth, options), Rule::moved_by_hand);
+  EXPECT_EQ(rule_of({252, 200, 4.0F}, regions, depth, options), Rule::edge);
+  EXPECT_EQ(rule_of({225, 200, 0}, regions, depth, options), Rule::surrounded);
+  EXPECT_EQ(rule_of({280, 200, 4.0F}, regions, depth, options), Rule::kept);
+}
+
+TEST(RuleOf, EdgesAndSurroundingsCanBeOff) {
+  const std::vector regions = {kBody};
+  const DepthImage depth =
+      PaintedScene(4.0F).paint(kBox, 1.5F).paint({240, 180, 260, 220}, 0).depth();
+  EXPECT_EQ(rule_of({301, 200, 4.0F}, regions, depth, {}), Rule::kept);
+  EXPECT_EQ(rule_of({250, 200, 0}, regions, depth, {}), Rule::kept);
+}
+
+}  // namespace
+}  // namespace ydd
