@@ -7,67 +7,82 @@
 #include "run_job.h"
 
 namespace ydd::app {
+namespace {
+
+void add_input_options(CLI::App& command, RunRequest& request) {
+  command.add_option("sequence", request.sequence, "Folder in the TUM RGB-D layout")->required();
+  command.add_option("--camera", request.camera,
+                     "Camera YAML, ORB-SLAM3 settings file, or name of a preset");
+  command.add_option("--associations", request.sequence_options.associations,
+                     "File that pairs colour and depth images");
+  command.add_option("--max-difference", request.sequence_options.max_difference_s,
+                     "Largest time between paired images in seconds");
+  command.add_option("--max-frames", request.max_frames, "Stop after so many frames");
+  command.add_flag("--strict", request.strict, "A frame that cannot be read ends the run");
+  command.add_flag("--realtime", request.realtime, "Keep the camera's pace, drop what is late");
+}
+
+void add_method_options(CLI::App& command, RunRequest& request) {
+  command.add_option("--config", request.config, "YAML file with options");
+  command.add_option("--set", request.set, "Set one option: key=value")->allow_extra_args(false);
+  command.add_option("--dynamic", request.dynamic, "What is rejected: off | box | person | full");
+  command.add_option("--detector", request.detector,
+                     "Detector YAML (configs/detector/): look for objects in every frame");
+  command.add_option("--detector-set", request.detector_set, "Set one detector option: key=value")
+      ->allow_extra_args(false);
+  command.add_option("--detections", request.detections, "Replay recorded detections (JSON lines)");
+  command.add_option("--objects", request.objects, "Object catalogue YAML (configs/objects.yaml)");
+  command.add_option("--seed", request.seed, "Seed of every random choice");
+  command.add_flag("--deterministic", request.deterministic, "Equal results to the byte");
+}
+
+void add_result_options(CLI::App& command, RunRequest& request) {
+  command.add_option("--out", request.out, "Folder for results (default runs/<sequence>-<time>)");
+  command
+      .add_option("--trajectory-format", request.trajectory_format,
+                  "Also write the trajectory as kitti or euroc")
+      ->check(CLI::IsMember({"tum", "kitti", "euroc"}));
+  command.add_option("--frames", request.pictures,
+                     "Folder for a picture of each frame: boxes, kept and rejected points");
+  command.add_option("--frames-every", request.pictures_every, "Only of every N-th frame")
+      ->check(CLI::Range(1, 1000000));
+  command.add_flag("--dump-map", request.dump_map, "Also write the map as text");
+  command.add_flag("--quiet", request.quiet, "No progress");
+  command.add_flag("--json", request.json, "Print the summary as JSON");
+}
+
+Result<void> run_and_tell(const RunRequest& request) {
+  const Result<RunOutcome> outcome = run_sequence(request);
+  if (!outcome) return outcome.error();
+  if (request.json) {
+    fmt::print("{}", outcome->summary_json);
+    return {};
+  }
+  fmt::print("tracked {} of {} frames\n", outcome->tracked, outcome->processed);
+  fmt::print("results in {}\n", outcome->folder.string());
+  if (outcome->groundtruth_file) {
+    fmt::print("compare: ydd-slam eval {} {}\n", outcome->groundtruth_file->string(),
+               (outcome->folder / "trajectory.tum").string());
+  }
+  return {};
+}
+
+}  // namespace
 
 void add_run_command(CLI::App& app, Job& job) {
   auto request = std::make_shared<RunRequest>();
   auto* command = app.add_subcommand("run", "Track the camera through an RGB-D sequence");
-  command->add_option("sequence", request->sequence, "Folder in the TUM RGB-D layout")->required();
-  command->add_option("--camera", request->camera,
-                      "Camera YAML, ORB-SLAM3 settings file, or name of a preset");
-  command->add_option("--config", request->config, "YAML file with options");
-  command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
-  command->add_option("--out", request->out, "Folder for results (default runs/<sequence>-<time>)");
-  command->add_option("--detector", request->detector,
-                      "Detector YAML (configs/detector/): look for objects in every frame");
-  command->add_option("--detector-set", request->detector_set, "Set one detector option: key=value")
-      ->allow_extra_args(false);
-  command->add_option("--objects", request->objects,
-                      "Object catalogue YAML (configs/objects.yaml)");
-  command->add_option("--detections", request->detections,
-                      "Replay recorded detections (JSON lines)");
-  command->add_option("--dynamic", request->dynamic, "What is rejected: off | box | person | full");
-  command->add_option("--associations", request->sequence_options.associations,
-                      "File that pairs colour and depth images");
-  command->add_option("--max-difference", request->sequence_options.max_difference_s,
-                      "Largest time between paired images in seconds");
-  command->add_option("--max-frames", request->max_frames, "Stop after so many frames");
-  command->add_option("--frames", request->pictures,
-                      "Folder for a picture of each frame: boxes, kept and rejected points");
-  command->add_option("--frames-every", request->pictures_every, "Only of every N-th frame")
-      ->check(CLI::Range(1, 1000000));
-  command->add_option("--seed", request->seed, "Seed of every random choice");
-  command
-      ->add_option("--trajectory-format", request->trajectory_format,
-                   "Also write the trajectory as kitti or euroc")
-      ->check(CLI::IsMember({"tum", "kitti", "euroc"}));
-  command->add_flag("--realtime", request->realtime, "Keep the camera's pace, drop what is late");
-  command->add_flag("--deterministic", request->deterministic, "Equal results to the byte");
-  command->add_flag("--strict", request->strict, "A frame that cannot be read ends the run");
-  command->add_flag("--dump-map", request->dump_map, "Also write the map as text");
-  command->add_flag("--quiet", request->quiet, "No progress");
-  command->add_flag("--json", request->json, "Print the summary as JSON");
+  add_input_options(*command, *request);
+  add_method_options(*command, *request);
+  add_result_options(*command, *request);
   command->footer(
       "Examples:\n"
       "  ydd-slam run rgbd_dataset_freiburg1_xyz\n"
       "  ydd-slam run my_recording --camera my_camera.yaml --out results\n"
-      "  ydd-slam run office --detections office/detections.jsonl --dynamic full");
-  command->callback([request, &job] {
-    job = [request]() -> Result<void> {
-      Result<RunOutcome> outcome = run_sequence(*request);
-      if (!outcome) return outcome.error();
-      if (request->json) {
-        fmt::print("{}", outcome->summary_json);
-        return {};
-      }
-      fmt::print("tracked {} of {} frames\n", outcome->tracked, outcome->processed);
-      fmt::print("results in {}\n", outcome->folder.string());
-      if (outcome->groundtruth_file) {
-        fmt::print("compare: ydd-slam eval {} {}\n", outcome->groundtruth_file->string(),
-                   (outcome->folder / "trajectory.tum").string());
-      }
-      return {};
-    };
-  });
+      "  ydd-slam run my_recording --detector configs/detector/coco_body_head_hand.yaml\n"
+      "  ydd-slam run samples/office_crowd --detections samples/office_crowd/detections.jsonl");
+  command->callback(
+      [request, &job] { job = [request]() -> Result<void> { return run_and_tell(*request); }; });
 }
 
 }  // namespace ydd::app

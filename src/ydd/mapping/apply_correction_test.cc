@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/mapping/apply_correction.h"
+
+#include <gtest/gtest.h>
+
+#include "ydd/map/world_testing.h"
+
+namespace ydd {
+namespace {
+
+using namespace testing_world;  // NOLINT(google-build-using-namespace)
+
+struct Scene {
+  PointWorld world = make_world(400, 5);
+  BuiltMap built;
+  explicit Scene(int views) : built(make(world, views)) {}
+  static BuiltMap make(const PointWorld& world, int views) {
+    std::vector<View> looks;
+    for (int i = 0; i < views; ++i) looks.push_back(look(world, hand_held(0.2 * i)));
+    return build_map(world, looks);
+  }
+};
+
+SE3 shift(double x_m) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x_m, 0, 0)}; }
+
+TEST(ApplyCorrection, PointsFollowTheirFirstKeyframeAndNewcomersTheirParent) {
+  Scene scene(4);
+  Atlas& atlas = scene.built.atlas;
+  std::vector<SE3> before;
+  for (const KeyFrameId id : scene.built.keyframes) before.push_back(atlas.at(id).T_world_camera);
+  Correction correction;  // knows all but the last keyframe
+  for (std::size_t i = 0; i + 1 < before.size(); ++i) {
+    correction.T_world_keyframe[scene.built.keyframes[i]] = shift(1.0) * before[i];
+  }
+  const MapPointId point = atlas.at(scene.built.keyframes[0]).points[0];
+  const Eigen::Vector3d p_before = atlas.at(point).p_world;
+  apply_correction(atlas, correction);
+  EXPECT_NEAR((atlas.at(point).p_world - p_before - Eigen::Vector3d(1, 0, 0)).norm(), 0.0, 1e-9);
+  const SE3 newcomer = atlas.at(scene.built.keyframes.back()).T_world_camera;
+  EXPECT_NEAR((newcomer.translation() - before.back().translation()).x(), 1.0, 1e-9);
+  EXPECT_TRUE(atlas.check_consistency().empty());
+}
+
+TEST(ApplyCorrection, StaleIdsAreIgnored) {
+  Scene scene(3);
+  Atlas& atlas = scene.built.atlas;
+  Correction correction;
+  correction.T_world_keyframe[KeyFrameId{999, 7}] = shift(1.0);
+  correction.p_world[MapPointId{999, 7}] = Eigen::Vector3d::Zero();
+  const SE3 before = atlas.at(scene.built.keyframes[1]).T_world_camera;
+  apply_correction(atlas, correction);
+  const SE3 after = atlas.at(scene.built.keyframes[1]).T_world_camera;
+  EXPECT_NEAR((after.translation() - before.translation()).norm(), 0.0, 1e-12);
+}
+
+TEST(Sew, FusesDuplicatesAndJoinsMaps) {
+  Scene scene(3);
+  Atlas& atlas = scene.built.atlas;
+  // The same place once more, as a map of its own with points of its own.
+  const MapId second = atlas.new_map();
+  const View view = look(scene.world, hand_held(0.1));
+  KeyFrame keyframe = keyframe_of(view, 50);
+  keyframe.map = second;
+  const KeyFrameId id = atlas.add_keyframe(std::move(keyframe));
+  for (std::size_t k = 0; k < view.shown.size(); ++k) {
+    atlas.add_point(scene.world.p_world[static_cast<std::size_t>(view.shown[k])], id,
+                    static_cast<int>(k));
+  }
+  const std::size_t points_before = atlas.points().size();
+  sew(atlas, {id, scene.built.keyframes[0]}, 3.0, 15, MatchLimits());
+  EXPECT_TRUE(atlas.check_consistency().empty());
+  EXPECT_EQ(atlas.at(id).map, atlas.at(scene.built.keyframes[0]).map);
+  EXPECT_EQ(atlas.at(id).parent, scene.built.keyframes[0]);
+  EXPECT_LT(atlas.points().size(), points_before - view.shown.size() / 2);
+  EXPECT_FALSE(atlas.at(id).covisible.empty());
+}
+
+}  // namespace
+}  // namespace ydd
