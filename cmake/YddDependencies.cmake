@@ -5,11 +5,17 @@ find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
-find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d dnn videoio)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d dnn)
 find_package(Ceres REQUIRED)
+include(YddSharedCeres)
 find_package(TBB REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(SQLite3 REQUIRED)
+# Draws the plots of reports; embedded in the programme.
+find_file(YDD_DYGRAPHS_JS dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH
+          REQUIRED)
+find_file(YDD_DYGRAPHS_CSS dygraph.min.css PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH
+          REQUIRED)
 if(YDD_BUILD_SIMULATION)
   find_package(embree 3 REQUIRED)
 endif()

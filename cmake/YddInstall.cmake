@@ -17,4 +17,5 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/ydd-slam-config-ver
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/ydd-slam-config.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/ydd-slam-config-version.cmake
+              cmake/YddSharedCeres.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ydd-slam)
