@@ -305,6 +305,38 @@ TEST(Atlas, ChildrenAreThoseThatNameTheParent) {
   EXPECT_FALSE(built.atlas.is_first(built.keyframes[1]));
 }
 
+TEST(Atlas, NearestKeptIsTheOneThatACulledKeyframeHangsOn) {
+  BuiltMap built = small_map(4, 1);
+  Atlas& atlas = built.atlas;
+  for (std::size_t i = 1; i < 4; ++i) atlas.set_parent(built.keyframes[i], built.keyframes[i - 1]);
+  EXPECT_EQ(atlas.nearest_kept(built.keyframes[2]), built.keyframes[2]);
+  atlas.cull_keyframe(built.keyframes[2]);
+  EXPECT_EQ(atlas.nearest_kept(built.keyframes[2]), built.keyframes[1]);
+  atlas.cull_keyframe(built.keyframes[1]);
+  EXPECT_EQ(atlas.nearest_kept(built.keyframes[2]), built.keyframes[0]);
+  EXPECT_FALSE(atlas.nearest_kept({77, 1}).valid());
+}
+
+TEST(Atlas, RerootTurnsTheChainRound) {
+  BuiltMap built = small_map(5, 1);
+  Atlas& atlas = built.atlas;
+  const auto& k = built.keyframes;
+  atlas.set_parent(k[1], {});
+  atlas.set_map(k[1], atlas.new_map());
+  for (const std::size_t i : {2U, 3U, 4U}) {
+    atlas.set_parent(k[i], k[i - 1]);
+    atlas.set_map(k[i], atlas.at(k[1]).map);
+  }
+  ASSERT_THAT(atlas.check_consistency(), IsEmpty());  // two maps: 0, and 1 2 3 4
+  for (const std::size_t i : {1U, 2U, 3U, 4U}) atlas.set_map(k[i], atlas.at(k[0]).map);
+  atlas.reroot(k[3], k[0]);
+  EXPECT_EQ(atlas.at(k[3]).parent, k[0]);
+  EXPECT_EQ(atlas.at(k[2]).parent, k[3]);
+  EXPECT_EQ(atlas.at(k[1]).parent, k[2]);
+  EXPECT_EQ(atlas.at(k[4]).parent, k[3]);
+  EXPECT_THAT(atlas.check_consistency(), IsEmpty());
+}
+
 TEST(Atlas, ConsistencyFindsWhatIsWrong) {
   BuiltMap built = small_map(3, 1);
   Atlas& atlas = built.atlas;
@@ -432,7 +464,7 @@ TEST(Atlas, SnapshotsDoNotChange) {
     const auto& [snapshot, dump] = taken[i];
     EXPECT_EQ(dump_map(*snapshot), dump);
     EXPECT_THAT(snapshot->check_consistency(), IsEmpty());
-    EXPECT_EQ(distance(*snapshot->T_world_keyframe(resolved[i].first), resolved[i].second), 0);
+    EXPECT_EQ(snapshot->T_world_keyframe(resolved[i].first)->matrix(), resolved[i].second.matrix());
     EXPECT_LE(snapshot->revision(), editor.atlas().revision());
   }
 }

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/tracking/tracker.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ydd/tracking/tracking_testing.h"
+
+namespace ydd {
+namespace {
+
+using testing_world::frame_of;
+using testing_world::hand_held;
+using testing_world::kFrameInterval_ns;
+using testing_world::look;
+using testing_world::make_world;
+using testing_world::PointWorld;
+using testing_world::position_error_m;
+using testing_world::rotation_error_rad;
+using testing_world::View;
+using testing_world::ViewOptions;
+
+/// Takes keyframes into a map and makes points from depth; nothing is refined.
+class PlainMapper {
+ public:
+  explicit PlainMapper(const PointWorld& world) : atlas_(world.camera, world.scales) {}
+
+  void take(const KeyFrameCandidate& candidate) {
+    const TrackedFrame& frame = candidate.frame;
+    KeyFrame keyframe;
+    keyframe.frame_index = frame.index;
+    keyframe.stamp = frame.stamp;
+    keyframe.observations = frame.observations;
+    keyframe.grid = frame.grid;
+    keyframe.points = frame.points;
+    keyframe.T_world_camera = frame.T_camera_world.inverse();
+    keyframe.parent = candidate.reference;
+    keyframe.map = map_;
+    const KeyFrameId id = atlas_.add_keyframe(keyframe);
+    const Features& f = frame.features();
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      if (atlas_.at(id).points[i].valid() || !f.has_depth(i)) continue;
+      const Eigen::Vector3d p_camera =
+          atlas_.camera().unproject(f.undistorted_px[i].cast<double>(), f.depth_m[i]);
+      atlas_.add_point(keyframe.T_world_camera * p_camera, id, static_cast<int>(i));
+    }
+    atlas_.refresh_covisibility(id, 15);
+  }
+  Atlas& atlas() { return atlas_; }
+
+ private:
+  Atlas atlas_;
+  MapId map_ = atlas_.new_map();
+};
+
+/// Camera, tracker and map in one hand.
+class Walk {
+ public:
+  explicit Walk(TrackerOptions options = {}) : tracker_(options), mapper_(world_) {}
+
+  /// Tracks the next frame, seen from `T_world_camera`.
+  TrackResult step(const SE3& T_world_camera, double seen_share = 1.0) {
+    ViewOptions look_options;
+    look_options.noise_px = 0.5;
+    look_options.depth_noise = 0.002;
+    look_options.flipped_bits = 15;
+    look_options.seen_share = seen_share;
+    look_options.seed = static_cast<unsigned>(index_);
+    view_ = look(world_, T_world_camera, look_options);
+    TrackResult result = tracker_.track(frame_of(view_, index_++), mapper_.atlas(), true);
+    if (result.candidate) mapper_.take(*result.candidate);
+    return result;
+  }
+  TrackResult step() { return step(path(index_)); }
+  TrackResult step_blind() { return step(path(index_), 0.0); }
+  static SE3 path(std::int64_t index) { return hand_held(static_cast<double>(index) / 30.0); }
+
+  const View& view() const { return view_; }
+  Atlas& atlas() { return mapper_.atlas(); }
+  const Tracker& tracker() const { return tracker_; }
+
+ private:
+  PointWorld world_ = make_world(1200, 8);
+  Tracker tracker_;
+  PlainMapper mapper_;
+  View view_;
+  std::int64_t index_ = 0;
+};
+
+TEST(Tracker, StartsAMapWithTheFirstFrameThatHasDepth) {
+  Walk walk;
+  const TrackResult dark = walk.step_blind();
+  EXPECT_EQ(dark.state, TrackingState::initializing);
+  EXPECT_FALSE(dark.candidate.has_value());
+  const TrackResult first = walk.step();
+  EXPECT_EQ(first.state, TrackingState::tracking);
+  ASSERT_TRUE(first.candidate.has_value());
+  EXPECT_FALSE(first.candidate->reference.valid());
+  EXPECT_EQ(walk.atlas().keyframes().size(), 1U);
+  const TrackResult second = walk.step();
+  EXPECT_EQ(second.state, TrackingState::tracking);
+  EXPECT_EQ(second.reference, walk.atlas().newest_keyframe());
+}
+
+TEST(Tracker, FollowsTheCamera) {
+  Walk walk;
+  int keyframes = 0;
+  for (int i = 0; i < 120; ++i) {
+    const TrackResult result = walk.step();
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i;
+    if (result.candidate) ++keyframes;
+    if (i == 0) continue;
+    // The map is not refined: points are where one noisy reading put them.
+    EXPECT_LT(position_error_m(result.T_world_camera, Walk::path(i)), 0.02) << "frame " << i;
+    EXPECT_LT(rotation_error_rad(result.T_world_camera, Walk::path(i)), 0.004) << "frame " << i;
+    EXPECT_GT(result.inliers, 100);
+    EXPECT_EQ(result.points.size(), walk.view().features().size());
+    // The pose is also told relative to a keyframe.
+    const SE3 by_reference =
+        *walk.atlas().T_world_keyframe(result.reference) * result.T_reference_camera;
+    EXPECT_LT(position_error_m(by_reference, result.T_world_camera), 1e-9);
+  }
+  EXPECT_GE(keyframes, 3);
+  EXPECT_LE(keyframes, 60);
+  EXPECT_THAT(walk.atlas().check_consistency(), testing::IsEmpty());
+}
+
+TEST(Tracker, PointsOfAFrameAreThoseItShows) {
+  Walk walk;
+  for (int i = 0; i < 10; ++i) walk.step();
+  const TrackResult result = walk.step();
+  std::vector<MapPointId> seen;
+  for (std::size_t k = 0; k < result.points.size(); ++k) {
+    if (!result.points[k].valid()) continue;
+    seen.push_back(result.points[k]);
+    EXPECT_LE(hamming_distance(walk.atlas().at(result.points[k]).descriptor,
+                               walk.view().features().descriptors[k]),
+              30);
+  }
+  EXPECT_EQ(static_cast<int>(seen.size()), result.inliers);
+  std::sort(seen.begin(), seen.end());
+  EXPECT_EQ(std::adjacent_find(seen.begin(), seen.end()), seen.end()) << "a point twice";
+}
+
+TEST(Tracker, IsLostWithoutFeaturesAndFindsItselfAgain) {
+  Walk walk;
+  for (int i = 0; i < 30; ++i) walk.step();
+  for (int i = 0; i < 5; ++i) {
+    const TrackResult blind = walk.step_blind();
+    EXPECT_EQ(blind.state, TrackingState::lost);
+    EXPECT_FALSE(blind.candidate.has_value());
+  }
+  EXPECT_EQ(walk.tracker().state(), TrackingState::lost);
+  const TrackResult back = walk.step();
+  EXPECT_EQ(back.state, TrackingState::tracking);
+  EXPECT_LT(position_error_m(back.T_world_camera, Walk::path(35)), 0.02);
+  EXPECT_EQ(walk.step().state, TrackingState::tracking);
+}
+
+TEST(Tracker, AFewFeaturesAreNotEnoughToClaimAPose) {
+  Walk walk;
+  for (int i = 0; i < 10; ++i) walk.step();
+  EXPECT_EQ(walk.step(Walk::path(10), 0.02).state, TrackingState::lost);
+}
+
+TEST(Tracker, FindsACarriedCameraBySight) {
+  Walk walk;
+  for (int i = 0; i < 60; ++i) walk.step();
+  // Suddenly half a metre and 0.2 rad away: no motion model helps.
+  Vector6d twist;
+  twist << -0.4, 0.3, 0.2, 0.1, -0.15, 0.1;
+  const SE3 T_carried = Walk::path(60) * SE3::exp(twist);
+  const TrackResult result = walk.step(T_carried);
+  ASSERT_EQ(result.state, TrackingState::tracking);
+  EXPECT_LT(position_error_m(result.T_world_camera, T_carried), 0.02);
+}
+
+TEST(Tracker, FollowsAMapThatTheMapperMoved) {
+  Walk walk;
+  for (int i = 0; i < 30; ++i) walk.step();
+  const SE3 T_moved = SE3::exp((Vector6d() << 0.5, -0.2, 0.1, 0.02, 0.05, -0.03).finished());
+  for (const KeyFrameId id : walk.atlas().keyframes().ids()) {
+    walk.atlas().set_pose(id, T_moved * walk.atlas().at(id).T_world_camera);
+  }
+  for (const MapPointId id : walk.atlas().points().ids()) {
+    walk.atlas().set_position(id, T_moved * walk.atlas().at(id).p_world);
+  }
+  for (const MapPointId id : walk.atlas().points().ids()) walk.atlas().refresh_point(id);
+  const TrackResult result = walk.step();
+  ASSERT_EQ(result.state, TrackingState::tracking);
+  EXPECT_GT(result.motion_inliers, 100);  // by motion, not by relocalisation
+  EXPECT_LT(position_error_m(result.T_world_camera, T_moved * Walk::path(30)), 0.02);
+}
+
+TEST(Tracker, CountsHowOftenPointsWereSeen) {
+  Walk walk;
+  for (int i = 0; i < 40; ++i) {
+    const TrackResult result = walk.step();
+    if (!result.candidate || i == 0) continue;
+    EXPECT_FALSE(result.candidate->views.empty());
+    for (const PointViews& views : result.candidate->views) {
+      EXPECT_GE(views.visible, views.found);
+      EXPECT_GE(views.found, 0);
+      EXPECT_GT(views.visible, 0);
+    }
+  }
+}
+
+TEST(Tracker, IsDeterministic) {
+  Walk a;
+  Walk b;
+  for (int i = 0; i < 60; ++i) {
+    const bool blind = i > 30 && i < 34;
+    const TrackResult from_a = blind ? a.step_blind() : a.step();
+    const TrackResult from_b = blind ? b.step_blind() : b.step();
+    ASSERT_EQ(from_a.state, from_b.state);
+    ASSERT_EQ(from_a.T_world_camera.matrix(), from_b.T_world_camera.matrix()) << "frame " << i;
+    ASSERT_EQ(from_a.points, from_b.points);
+    ASSERT_EQ(from_a.candidate.has_value(), from_b.candidate.has_value());
+  }
+}
+
+}  // namespace
+}  // namespace ydd
