@@ -80,7 +80,8 @@ TEST(EmptyRoom, HardlyAnythingIsRejectedWhereOnlyAFanTurns) {
   world.frames = 36;
   world.depth = "kinect";
   const PointQuality full = measure(world, "full");
-  EXPECT_LE(full.stationary_rejected, 0.02 * full.stationary);
+  // A fan counts as one thing: its stand goes with its blades.
+  EXPECT_LE(full.stationary_rejected, 0.08 * full.stationary);
 }
 
 TEST(BusyRoomOff, RejectsNothing) { EXPECT_EQ(measure(busy_room(11), "off").rejected(), 0); }
