@@ -110,9 +110,7 @@ const Camera& Simulator::camera() const { return impl_->camera; }
 
 Timestamp Simulator::stamp(int index) const { return {kStart_ns + impl_->offset_ns(index)}; }
 
-SE3 Simulator::pose(int index) const {
-  return impl_->path.T_world_camera(impl_->time_s(index));
-}
+SE3 Simulator::pose(int index) const { return impl_->path.T_world_camera(impl_->time_s(index)); }
 
 SimulatedFrame Simulator::render(int index) const {
   if (index < 0 || index >= frame_count()) {
