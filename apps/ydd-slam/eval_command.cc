@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "run_report.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/evaluation/report.h"
 
 namespace ydd::app {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct EvalArguments {
   std::string groundtruth;
@@ -38,6 +42,9 @@ Result<void> run_eval(const EvalArguments& arguments) {
   const Result<Evaluation> evaluation = evaluate(*groundtruth, *trajectory, options_of(arguments));
   if (!evaluation) {
     return Error{fmt::format("{}: {}", arguments.trajectory, evaluation.error().message)};
+  }
+  if (const fs::path folder = fs::path(arguments.trajectory).parent_path(); is_run_folder(folder)) {
+    if (auto r = write_run_report(folder, *trajectory, *groundtruth, *evaluation); !r) return r;
   }
   fmt::print("{}", arguments.json ? format_json(*evaluation) : format_table(*evaluation));
   return {};

@@ -7,6 +7,7 @@
 #include "progress.h"
 #include "run_folder.h"
 #include "run_job.h"
+#include "run_report.h"
 #include "ydd/base/files.h"
 #include "ydd/base/log.h"
 #include "ydd/dataset/camera_file.h"
@@ -91,6 +92,11 @@ std::string state_text(const FrameReport& report, const SlamSystem& system) {
                      report.observations->rejected.size());
 }
 
+MapSize map_size(const SlamSystem& system) {
+  const auto atlas = system.atlas();
+  return {atlas->keyframes().size(), atlas->points().size()};
+}
+
 /// Whether a live camera would have overtaken frame `i` by now: then it is dropped, and counted.
 bool overtaken(const Sequence& sequence, std::size_t i, std::size_t end, const Pace& pace) {
   return i + 1 < end && pace.is_due(sequence.entry(i + 1).stamp);
@@ -102,7 +108,7 @@ Result<void> feed_frame(const RgbdFrame& frame, const RunRequest& request,
                         Progress& progress) {
   Result<FrameReport> report = system.process(frame);
   if (!report) return report.error();
-  recorder.add(*report);
+  recorder.add(*report, map_size(system));
   progress.update(static_cast<std::size_t>(frame.index) + 1, state_text(*report, system));
   return write_picture(request, catalogue, frame, *report);
 }
@@ -152,6 +158,7 @@ Result<void> write_results(const fs::path& folder, const RunRequest& request,
       {"trajectory.tum", format_trajectory(trajectory, TrajectoryFormat::tum)},
       {"keyframes.tum", format_trajectory(system.keyframe_trajectory(), TrajectoryFormat::tum)},
       {"config.yaml", config},
+      {"frames.json", recorder.frames_json()},
       {"timings.json", recorder.timings_json(system)},
       {"summary.json", summary},
   };
@@ -211,6 +218,9 @@ Result<RunOutcome> run_sequence(const RunRequest& request) {
   if (auto r = write_results(*folder, request, effective_yaml(*options, *camera), system, recorder,
                              summary);
       !r) {
+    return r.error();
+  }
+  if (auto r = write_run_report(*folder, system.trajectory(), sequence->groundtruth_file()); !r) {
     return r.error();
   }
   return RunOutcome{*folder,

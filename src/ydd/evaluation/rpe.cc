@@ -74,6 +74,7 @@ RpeResult relative_pose_error(const StampedPoses& groundtruth, const StampedPose
     // Eq. (2) is truth^-1 * estimated; the benchmark's tool looks back in time, from j to i, which
     // puts the factors the other way round: same angle, slightly different length. We follow it.
     const SE3 error = estimated * (truth_i->inverse() * *truth_j).inverse();
+    result.first_poses.push_back(i);
     result.translation_errors_m.push_back(error.translation().norm());
     result.rotation_errors_deg.push_back(error.angle_rad() * kDegrees);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "ydd/dataset/trajectory.h"
@@ -18,6 +19,7 @@ struct RpeOptions {
 
 /// Relative pose error: drift over a fixed interval, no alignment needed.
 struct RpeResult {
+  std::vector<std::size_t> first_poses;      ///< of each pair, the earlier one of the estimate
   std::vector<double> translation_errors_m;  ///< one per pair of frames
   std::vector<double> rotation_errors_deg;
   ErrorStatistics translation_m;

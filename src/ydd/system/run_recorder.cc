@@ -3,6 +3,9 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "ydd/base/version.h"
@@ -34,6 +37,23 @@ Json series_to_json(const std::map<std::string, Series>& stages) {
   return out;
 }
 
+/// Microseconds are fine enough.
+double rounded_ms(double value) { return std::round(value * 1e3) / 1e3; }
+
+/// One entry per item.
+template <class Items, class Get>
+Json column(const Items& items, Get get) {
+  Json out = Json::array();
+  for (const auto& item : items) out.push_back(get(item));
+  return out;
+}
+
+const StageTime* find_stage(const StageTimes& times, const std::string& stage) {
+  const auto it = std::find_if(times.begin(), times.end(),
+                               [&](const StageTime& time) { return time.stage == stage; });
+  return it == times.end() ? nullptr : &*it;
+}
+
 }  // namespace
 
 double peak_resident_mb() {
@@ -42,7 +62,7 @@ double peak_resident_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-void RunRecorder::add(const FrameReport& report) {
+void RunRecorder::add(const FrameReport& report, const MapSize& map) {
   ++processed_;
   if (report.keyframe) ++keyframes_;
   if (report.track.state == TrackingState::tracking) {
@@ -60,6 +80,9 @@ void RunRecorder::add(const FrameReport& report) {
     stages_[t.stage].wall_ms.push_back(t.wall_ms);
     stages_[t.stage].cpu_ms.push_back(t.cpu_ms);
   }
+  frames_.push_back({report.index, report.stamp, report.track.state, report.keyframe,
+                     report.requested, report.track.inliers, report.observations->features.size(),
+                     rules, map, report.times});
 }
 
 void RunRecorder::add_skipped(std::int64_t frame, const std::string& reason) {
@@ -145,6 +168,38 @@ std::string RunRecorder::timings_json(const SlamSystem& system) const {
        {{"per_frame", series_to_json(stages_)}, {"per_keyframe", series_to_json(mapper)}}},
   };
   return out.dump(1) + "\n";
+}
+
+std::string RunRecorder::frames_json() const {
+  const auto list = [&](auto get) { return column(frames_, get); };
+  const auto stage = [&](const std::string& name, double StageTime::*clock) {
+    return list([&](const Frame& f) {
+      const StageTime* const time = find_stage(f.times, name);
+      return time ? Json(rounded_ms(time->*clock)) : Json();
+    });
+  };
+  Json rejected = Json::object();
+  for (std::size_t i = 1; i < rules_.size(); ++i) {
+    rejected[std::string(to_string(static_cast<Rule>(i)))] =
+        list([i](const Frame& f) { return f.rules[i]; });
+  }
+  Json stages = Json::object();
+  for (const auto& [name, series] : stages_) stages[name] = stage(name, &StageTime::cpu_ms);
+  const Json out = {
+      {"index", list([](const Frame& f) { return f.index; })},
+      {"stamp_s", list([](const Frame& f) { return f.stamp.seconds(); })},
+      {"state", list([](const Frame& f) { return std::string(to_string(f.state)); })},
+      {"keyframe", list([](const Frame& f) { return f.keyframe; })},
+      {"requested", list([](const Frame& f) { return f.requested; })},
+      {"kept", list([](const Frame& f) { return f.kept; })},
+      {"inliers", list([](const Frame& f) { return f.inliers; })},
+      {"rejected", rejected},
+      {"keyframes", list([](const Frame& f) { return f.map.keyframes; })},
+      {"points", list([](const Frame& f) { return f.map.points; })},
+      {"total_wall_ms", stage("total", &StageTime::wall_ms)},
+      {"stages_cpu_ms", stages},
+  };
+  return out.dump() + "\n";
 }
 
 }  // namespace ydd

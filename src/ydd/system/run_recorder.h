@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -19,10 +20,16 @@ struct RunDescription {
   int seed = 0;
 };
 
+/// How large the map was when a frame had been tracked.
+struct MapSize {
+  std::size_t keyframes = 0;
+  std::size_t points = 0;
+};
+
 /// Collects what a run did, frame by frame, and tells it as JSON.
 class RunRecorder {
  public:
-  void add(const FrameReport& report);
+  void add(const FrameReport& report, const MapSize& map = {});
   void add_skipped(std::int64_t frame, const std::string& reason);
   void add_dropped(int frames) { dropped_ += frames; }
 
@@ -32,6 +39,10 @@ class RunRecorder {
   /// Per stage statistics in milliseconds (wall and processor time of the stage's thread), of the
   /// tracker per frame and of the mapper per keyframe, and the series behind them.
   std::string timings_json(const SlamSystem& system) const;
+  /// One list per property, one entry per processed frame: index, stamp_s, state, keyframe,
+  /// requested, kept, inliers, keyframes, points, total_wall_ms; and lists by name in rejected
+  /// (rule) and stages_cpu_ms (null where a stage did not run).
+  std::string frames_json() const;
 
   int processed() const { return processed_; }
   int tracked() const { return tracked_; }
@@ -42,6 +53,18 @@ class RunRecorder {
   };
   struct Series {
     std::vector<double> wall_ms, cpu_ms;
+  };
+  /// What is told of one frame alone.
+  struct Frame {
+    std::int64_t index = 0;
+    Timestamp stamp;
+    TrackingState state = TrackingState::initializing;
+    bool keyframe = false;
+    int requested = 0, inliers = 0;
+    std::size_t kept = 0;
+    std::array<int, kRuleCount> rules{};
+    MapSize map;
+    StageTimes times;
   };
   static std::map<std::string, Series> mapper_series(const SlamSystem& system);
 
@@ -54,6 +77,7 @@ class RunRecorder {
   std::vector<double> requested_, kept_;
   std::array<std::int64_t, kRuleCount> rules_{};
   std::map<std::string, Series> stages_;
+  std::vector<Frame> frames_;
 };
 
 /// Largest resident size of this process so far, megabytes.

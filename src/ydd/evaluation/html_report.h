@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ydd/base/result.h"
+#include "ydd/dataset/trajectory.h"
+#include "ydd/evaluation/report.h"
+
+namespace ydd {
+
+/// A picture worth looking at.
+struct KeyMoment {
+  std::string caption;
+  std::string jpeg;  ///< bytes of the file
+};
+
+/// What a report is made of. JSON as `RunRecorder` tells it; empty texts and lists: not known.
+struct RunReportData {
+  std::string title;
+  std::string summary_json, frames_json, timings_json;
+  std::string config;  ///< text of the effective configuration
+  StampedPoses trajectory;
+  StampedPoses groundtruth;
+  std::optional<Evaluation> evaluation;  ///< of `trajectory` against `groundtruth`
+  std::vector<KeyMoment> moments;
+};
+
+/// One HTML file that needs no other and no network: the page, the plotting library (dygraphs, MIT)
+/// and the data. Whatever the data hold is text there, never markup. Fails on a text that is not
+/// JSON and names it.
+Result<std::string> html_report(const RunReportData& data);
+
+}  // namespace ydd

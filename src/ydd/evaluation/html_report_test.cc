@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/evaluation/html_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace ydd {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+StampedPoses path(int count, double shift_m) {
+  StampedPoses poses;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d t(0.1 * i + shift_m, i % 3 == 0 ? 0.2 : 0.0, 0.05 * i * i);
+    poses.push_back({{1'000'000'000LL + i * 100'000'000LL}, SE3(Eigen::Matrix3d::Identity(), t)});
+  }
+  return poses;
+}
+
+RunReportData sample() {
+  RunReportData data;
+  data.title = "office <b>&";
+  data.summary_json = R"({"sequence": "</script><script>alert(1)</script>"})";
+  data.frames_json = R"({"stamp_s": [1.0], "index": [0]})";
+  data.timings_json = R"({"unit": "ms", "series": {"per_frame": [1, 2, 3]}})";
+  data.config = "orb:\n  features: 1000\n  mark: @DATA@\n";
+  data.trajectory = path(30, 0.0);
+  return data;
+}
+
+json data_of(const std::string& html) {
+  const std::string open = R"(id="data">)";
+  const auto begin = html.find(open) + open.size();
+  return json::parse(html.substr(begin, html.find("</script>", begin) - begin));
+}
+
+std::size_t count_of(const std::string& text, const std::string& what) {
+  std::size_t count = 0;
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
+TEST(HtmlReport, NeedsNothingFromOutside) {
+  const std::string html = html_report(sample()).value();
+  for (const char* loads : {"<link", "<iframe", "<img", "<object", "<script src", "@import",
+                            "url(http", "url(//", "url('", "url(\"", "sourceMappingURL"}) {
+    EXPECT_EQ(count_of(html, loads), 0U) << loads;
+  }
+  EXPECT_THAT(html, HasSubstr("default-src 'none'"));
+}
+
+TEST(HtmlReport, HoldsPageLibraryAndLicence) {
+  const std::string html = html_report(sample()).value();
+  EXPECT_THAT(html, HasSubstr("new Dygraph("));
+  EXPECT_THAT(html, HasSubstr("prefers-color-scheme: dark"));
+  EXPECT_THAT(html, HasSubstr("MIT licence"));
+  EXPECT_GT(html.size(), 100'000U);
+  for (const char* mark : {"@TITLE@", "@LIBRARY_JS@", "@LIBRARY_CSS@", "@PAGE_JS@"}) {
+    EXPECT_THAT(html, Not(HasSubstr(mark)));
+  }
+}
+
+TEST(HtmlReport, TextOfTheRunIsNeverMarkup) {
+  const std::string html = html_report(sample()).value();
+  EXPECT_THAT(html, HasSubstr("<title>office &lt;b>&amp;</title>"));
+  EXPECT_THAT(html, Not(HasSubstr("<script>alert(1)")));
+  const json data = data_of(html);
+  EXPECT_EQ(data.at("summary").at("sequence"), "</script><script>alert(1)</script>");
+  EXPECT_EQ(data.at("title"), "office <b>&");
+  EXPECT_EQ(data.at("config"), sample().config) << "marks inside the data stay as they are";
+}
+
+TEST(HtmlReport, WithoutGroundTruthThereIsTheBareTrajectory) {
+  const json data = data_of(html_report(sample()).value());
+  EXPECT_EQ(data.at("trajectory").at("xyz").size(), 30U);
+  EXPECT_EQ(data.at("trajectory").at("xyz").at(2), json({0.2, 0.0, 0.2}));
+  EXPECT_EQ(data.at("trajectory").at("mean_down"), json({0.0, 1.0, 0.0}));
+  EXPECT_EQ(data.at("truth").at("xyz").size(), 0U);
+  EXPECT_EQ(data.at("pairs").size(), 0U);
+  EXPECT_FALSE(data.contains("evaluation"));
+  EXPECT_FALSE(data.at("timings").contains("series"));
+}
+
+TEST(HtmlReport, EstimateIsShownWhereTheAlignmentPutsIt) {
+  RunReportData data = sample();
+  data.groundtruth = path(30, 5.0);
+  data.evaluation = evaluate(data.groundtruth, data.trajectory).value();
+  const json out = data_of(html_report(data).value());
+  EXPECT_EQ(out.at("pairs").size(), 30U);
+  for (std::size_t i = 0; i < 30; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(out.at("trajectory").at("xyz").at(i).at(k),
+                  out.at("truth").at("xyz").at(i).at(k).get<double>(), 2e-4);
+    }
+  }
+  EXPECT_EQ(out.at("rpe").at("first").size(), out.at("rpe").at("translation_m").size());
+  EXPECT_EQ(out.at("rpe").at("first").at(0), 0);
+  EXPECT_EQ(out.at("evaluation").at("ate").at("pairs"), 30);
+}
+
+TEST(HtmlReport, PicturesAreInside) {
+  RunReportData data = sample();
+  data.moments = {{"loop", "Man"}, {"lost", "M"}, {"relocalised", "Ma"}};
+  const json moments = data_of(html_report(data).value()).at("moments");
+  EXPECT_EQ(moments.at(0).at("image"), "data:image/jpeg;base64,TWFu");
+  EXPECT_EQ(moments.at(1).at("image"), "data:image/jpeg;base64,TQ==");
+  EXPECT_EQ(moments.at(2).at("image"), "data:image/jpeg;base64,TWE=");
+  EXPECT_EQ(moments.at(2).at("caption"), "relocalised");
+}
+
+TEST(HtmlReport, BrokenJsonIsNamed) {
+  RunReportData data = sample();
+  data.timings_json = "{\"unit\": ";
+  const auto html = html_report(data);
+  ASSERT_FALSE(html);
+  EXPECT_EQ(html.error().message, "timings of the run: not JSON");
+}
+
+}  // namespace
+}  // namespace ydd
