@@ -17,7 +17,8 @@ using ydd::synthetic::BundleSceneOptions;
 
 void pose_only(benchmark::State& state) {
   const auto scene = ydd::synthetic::make_pose_scene(
-      {.observations = static_cast<int>(state.range(0)), .outlier_share = 0.01 * state.range(1)});
+      {.observations = static_cast<int>(state.range(0)),
+       .outlier_share = 0.01 * static_cast<double>(state.range(1))});
   std::mt19937 random(7);
   const ydd::SE3 start =
       ydd::SE3::exp(ydd::synthetic::random_twist(random, 0.03, 0.03)) * scene.T_camera_world;
@@ -58,7 +59,7 @@ BundleSceneOptions size_of(std::int64_t size) {
 }
 
 using Solve = BundleResult (*)(const ydd::Camera&, const BundleProblem&, const BundleOptions&,
-                               std::stop_token);
+                               const std::stop_token&);
 
 void bundle(benchmark::State& state, Solve solve) {
   const BundleScene scene = ydd::synthetic::make_bundle_scene(size_of(state.range(0)));

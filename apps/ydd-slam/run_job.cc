@@ -41,22 +41,38 @@ class Pace {
   std::chrono::steady_clock::time_point start_;
 };
 
-Result<SystemOptions> effective_options(const RunRequest& request) {
+/// What a run is configured with, and what it leaves as config.yaml.
+struct Configuration {
   SystemOptions options;
+  Camera camera;
+
+  void describe(OptionTable& table) {
+    options.describe(table);
+    table.group("camera", camera);
+  }
+};
+
+/// Command line > file > default. The camera's default is that of the sequence; a saved
+/// configuration has a camera too, so that it repeats its run wherever it is fed back.
+Result<Configuration> effective_configuration(const RunRequest& request) {
+  Result<Camera> camera = find_camera(request.sequence, request.camera);
+  if (!camera) return camera.error();
+  Configuration out{{}, *camera};
   OptionTable table;
-  options.describe(table);
+  out.describe(table);
   if (!request.config.empty()) {
     if (auto r = table.load_yaml(request.config); !r) return r.error();
   }
+  if (!request.camera.empty()) out.camera = *camera;
   for (const std::string& assignment : request.set) {
     if (auto r = table.set_assignment(assignment, "--set"); !r) return r.error();
   }
   if (!request.dynamic.empty()) {
     if (auto r = table.set("dynamics.variant", request.dynamic, "--dynamic"); !r) return r.error();
   }
-  if (request.deterministic) options.deterministic = true;
-  if (request.seed >= 0) options.tracking.relocalization.seed = request.seed;
-  return options;
+  if (request.deterministic) out.options.deterministic = true;
+  if (request.seed >= 0) out.options.tracking.relocalization.seed = request.seed;
+  return out;
 }
 
 Result<ObjectCatalogue> run_catalogue(const RunRequest& request) {
@@ -81,7 +97,7 @@ Result<std::unique_ptr<Detector>> make_run_detector(const RunRequest& request,
 
 Result<void> write_picture(const RunRequest& request, const ObjectCatalogue& catalogue,
                            const RgbdFrame& frame, const FrameReport& report) {
-  if (request.pictures.empty()) return {};
+  if (request.pictures.empty() || report.index % request.pictures_every != 0) return {};
   return write_png(fs::path(request.pictures) / fmt::format("{:06d}.png", report.index),
                    annotate(frame, report, catalogue));
 }
@@ -175,12 +191,10 @@ Result<void> write_results(const fs::path& folder, const RunRequest& request,
   return {};
 }
 
-std::string effective_yaml(SystemOptions options, Camera camera) {
+std::string effective_yaml(Configuration configuration) {
   OptionTable table;
-  options.describe(table);
-  OptionTable camera_table;
-  camera_table.group("camera", camera);
-  return table.to_yaml() + camera_table.to_yaml();
+  configuration.describe(table);
+  return table.to_yaml();
 }
 
 }  // namespace
@@ -188,10 +202,10 @@ std::string effective_yaml(SystemOptions options, Camera camera) {
 Result<RunOutcome> run_sequence(const RunRequest& request) {
   Result<Sequence> sequence = Sequence::open(request.sequence, request.sequence_options);
   if (!sequence) return sequence.error();
-  Result<Camera> camera = find_camera(request.sequence, request.camera);
-  if (!camera) return camera.error();
-  Result<SystemOptions> options = effective_options(request);
-  if (!options) return options.error();
+  const Result<Configuration> configuration = effective_configuration(request);
+  if (!configuration) return configuration.error();
+  const SystemOptions& options = configuration->options;
+  const Camera& camera = configuration->camera;
   Result<ObjectCatalogue> catalogue = run_catalogue(request);
   if (!catalogue) return catalogue.error();
   Result<std::unique_ptr<Detector>> detector = make_run_detector(request, *catalogue);
@@ -203,19 +217,20 @@ Result<RunOutcome> run_sequence(const RunRequest& request) {
   }
 
   const bool has_detector = *detector != nullptr;
-  SlamSystem system(*camera, *options, *catalogue, std::move(*detector));
+  SlamSystem system(camera, options, *catalogue, std::move(*detector));
   RunRecorder recorder;
   const std::int64_t start_ns = wall_clock_ns();
-  if (auto r = feed(*sequence, *camera, request, *catalogue, system, recorder); !r)
-    return r.error();
+  if (auto r = feed(*sequence, camera, request, *catalogue, system, recorder); !r) return r.error();
   const double wall_s = static_cast<double>(wall_clock_ns() - start_ns) * 1e-9;
 
-  const RunDescription description{
-      sequence->name(),   has_detector ? options->dynamics.variant : "off",
-      request.detections, options->deterministic,
-      request.realtime,   options->tracking.relocalization.seed};
+  const RunDescription description{sequence->name(),
+                                   has_detector ? options.dynamics.variant : "off",
+                                   request.detector + request.detections,  // one is empty
+                                   options.deterministic,
+                                   request.realtime,
+                                   options.tracking.relocalization.seed};
   const std::string summary = recorder.summary_json(description, system, wall_s);
-  if (auto r = write_results(*folder, request, effective_yaml(*options, *camera), system, recorder,
+  if (auto r = write_results(*folder, request, effective_yaml(*configuration), system, recorder,
                              summary);
       !r) {
     return r.error();

@@ -37,7 +37,8 @@ Result<void> write_file_atomically(const std::filesystem::path& file, std::strin
   if (descriptor < 0) return failure("cannot be created");
   const bool written = write_all(descriptor, content) && ::fsync(descriptor) == 0;
   if (::close(descriptor) != 0 || !written) return failure("cannot be written");
-  if (::rename(temporary.c_str(), file.c_str()) != 0) return failure("cannot be renamed into place");
+  if (::rename(temporary.c_str(), file.c_str()) != 0)
+    return failure("cannot be renamed into place");
   return {};
 }
 

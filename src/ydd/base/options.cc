@@ -131,8 +131,8 @@ Result<void> OptionTable::set(std::string_view key, std::string_view text,
   const auto found = std::find_if(options_.begin(), options_.end(),
                                   [&](const Option& option) { return option.key == key; });
   if (found == options_.end()) {
-    return Error{fmt::format("{}: unknown option '{}'; 'ydd-slam options' lists them all", source,
-                             key)};
+    return Error{
+        fmt::format("{}: unknown option '{}'; 'ydd-slam options' lists them all", source, key)};
   }
   if (!assign(*found, text)) {
     return Error{
@@ -189,12 +189,11 @@ std::string OptionTable::to_yaml() const {
       text += fmt::format("{:{}}{}:\n", "", 2 * (it - path.begin()), *it);
     }
     open = path;
-    text += fmt::format("{:{}}{}: {}  # {}{}{}\n", "", 2 * path.size(), option.key.substr(start),
-                        format_value(option), option.unit.empty() ? "" : "[" + option.unit + "] ",
-                        option.sentence,
-                        option.choices.empty()
-                            ? format_range(option.range)
-                            : fmt::format(" ({})", fmt::join(option.choices, " | ")));
+    text += fmt::format(
+        "{:{}}{}: {}  # {}{}{}\n", "", 2 * path.size(), option.key.substr(start),
+        format_value(option), option.unit.empty() ? "" : "[" + option.unit + "] ", option.sentence,
+        option.choices.empty() ? format_range(option.range)
+                               : fmt::format(" ({})", fmt::join(option.choices, " | ")));
   }
   return text;
 }

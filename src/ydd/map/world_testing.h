@@ -60,7 +60,9 @@ inline PointWorld make_world(int points, unsigned seed) {
     world.p_world.emplace_back(x_m, y_m, z_m);
     world.descriptors.push_back(random_descriptor(random));
     world.angles_rad.push_back(static_cast<float>(2.0 * std::numbers::pi * unit(random)));
-    world.farthest_m.push_back(7.0 * std::exp(4.0 * unit(random) * world.scales.log_step));
+    // Octaves 0 to 3 from the origin.
+    world.farthest_m.push_back(world.p_world.back().norm() *
+                               std::exp((0.6 + 3.3 * unit(random)) * world.scales.log_step));
   }
   return world;
 }

@@ -10,25 +10,20 @@ namespace {
 
 constexpr std::size_t kSeamNeighbours = 10;
 
-/// Keyframe ids from the oldest to the newest: parents that were there before come first.
-std::vector<KeyFrameId> oldest_first(const Atlas& atlas) {
-  std::vector<KeyFrameId> ids = atlas.keyframes().ids();
-  std::sort(ids.begin(), ids.end(),
-            [&](KeyFrameId a, KeyFrameId b) { return atlas.at(a).serial < atlas.at(b).serial; });
-  return ids;
+/// The nearest keyframe, from `id` up the spanning tree, that the correction names; empty: none.
+KeyFrameId corrected_ancestor(const Atlas& atlas, const Correction& correction, KeyFrameId id) {
+  while (id.valid() && !correction.T_world_keyframe.contains(id)) id = atlas.at(id).parent;
+  return id;
 }
 
 /// World motion of each keyframe, by slot; nothing for those that stay.
 std::vector<std::optional<SE3>> motions(const Atlas& atlas, const Correction& correction) {
   std::vector<std::optional<SE3>> T_new_old(atlas.keyframes().slots());
-  for (const KeyFrameId id : oldest_first(atlas)) {
-    const KeyFrame& keyframe = atlas.at(id);
-    const auto corrected = correction.T_world_keyframe.find(id);
-    if (corrected != correction.T_world_keyframe.end()) {
-      T_new_old[id.slot] = corrected->second * keyframe.T_world_camera.inverse();
-    } else if (atlas.find(keyframe.parent)) {
-      T_new_old[id.slot] = T_new_old[keyframe.parent.slot];
-    }
+  for (const KeyFrameId id : atlas.keyframes().ids()) {
+    const KeyFrameId ancestor = corrected_ancestor(atlas, correction, id);
+    if (!ancestor.valid()) continue;
+    T_new_old[id.slot] =
+        correction.T_world_keyframe.at(ancestor) * atlas.at(ancestor).T_world_camera.inverse();
   }
   return T_new_old;
 }

@@ -41,6 +41,39 @@ TEST(ApplyCorrection, PointsFollowTheirFirstKeyframeAndNewcomersTheirParent) {
   EXPECT_TRUE(atlas.check_consistency().empty());
 }
 
+TEST(ApplyCorrection, ANewcomerMayHaveAYoungerParent) {
+  Scene scene(5);
+  Atlas& atlas = scene.built.atlas;
+  const auto& ids = scene.built.keyframes;
+  // 3 and 4 came after the snapshot; the parent of 3 was culled since and the younger 4 took it in.
+  atlas.set_parent(ids[4], ids[1]);
+  atlas.set_parent(ids[3], ids[4]);
+  Correction correction;
+  for (std::size_t i = 0; i < 3; ++i) {
+    correction.T_world_keyframe[ids[i]] = shift(1.0) * atlas.at(ids[i]).T_world_camera;
+  }
+  const double before_m = atlas.at(ids[3]).T_world_camera.translation().x();
+  apply_correction(atlas, correction);
+  EXPECT_NEAR(atlas.at(ids[3]).T_world_camera.translation().x() - before_m, 1.0, 1e-9);
+}
+
+TEST(ApplyCorrection, WhereACulledKeyframeStoodMovesAlong) {
+  Scene scene(5);
+  Atlas& atlas = scene.built.atlas;
+  Correction correction;
+  for (const KeyFrameId id : scene.built.keyframes) {
+    correction.T_world_keyframe[id] = shift(1.0) * atlas.at(id).T_world_camera;
+  }
+  const KeyFrameId culled = scene.built.keyframes[2];
+  const SE3 before = atlas.at(culled).T_world_camera;
+  atlas.cull_keyframe(culled);
+  apply_correction(atlas, correction);
+  const SE3 after = atlas.T_world_keyframe(culled).value();
+  EXPECT_NEAR((after.translation() - before.translation() - Eigen::Vector3d(1, 0, 0)).norm(), 0.0,
+              1e-9);
+  EXPECT_TRUE(atlas.check_consistency().empty());
+}
+
 TEST(ApplyCorrection, StaleIdsAreIgnored) {
   Scene scene(3);
   Atlas& atlas = scene.built.atlas;
@@ -73,6 +106,16 @@ TEST(Sew, FusesDuplicatesAndJoinsMaps) {
   EXPECT_EQ(atlas.at(id).parent, scene.built.keyframes[0]);
   EXPECT_LT(atlas.points().size(), points_before - view.shown.size() / 2);
   EXPECT_FALSE(atlas.at(id).covisible.empty());
+}
+
+TEST(Sew, LeavesTheMapAloneWhenASideIsGone) {
+  Scene scene(4);
+  Atlas& atlas = scene.built.atlas;
+  const Correction::Seam seam{scene.built.keyframes[3], scene.built.keyframes[1]};
+  atlas.cull_keyframe(scene.built.keyframes[1]);
+  const std::uint64_t revision = atlas.revision();
+  sew(atlas, seam, 3.0, 15, MatchLimits());
+  EXPECT_EQ(atlas.revision(), revision);
 }
 
 }  // namespace

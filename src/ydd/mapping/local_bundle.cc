@@ -20,7 +20,7 @@ void add_free_poses(const Atlas& atlas, KeyFrameId centre, const LocalBundleOpti
                     GatheredBundle& gathered) {
   add_pose(atlas, gathered, centre, atlas.is_first(centre));
   for (const Covisible& c : atlas.at(centre).covisible) {
-    if (static_cast<int>(gathered.keyframes.size()) > options.max_free_keyframes) break;
+    if (static_cast<int>(gathered.keyframes.size()) >= options.max_free_keyframes) break;
     add_pose(atlas, gathered, c.keyframe, atlas.is_first(c.keyframe));
   }
 }

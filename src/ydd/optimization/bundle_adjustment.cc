@@ -132,7 +132,7 @@ void BundleOptions::describe(OptionTable& t) {
 }
 
 BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
-                          const BundleOptions& options, std::stop_token stop) {
+                          const BundleOptions& options, const std::stop_token& stop) {
   const Intrinsics k(camera);
   const Layout layout = bundle::make_layout(problem);
   const Flags usable = usable_entries(layout);

@@ -58,6 +58,6 @@ struct BundleResult {
 /// order. `stop` is looked at between the phases of an iteration.
 /// @throws std::logic_error if an observation names a pose or point that is not there.
 BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
-                          const BundleOptions& options, std::stop_token stop = {});
+                          const BundleOptions& options, const std::stop_token& stop = {});
 
 }  // namespace ydd

@@ -158,7 +158,7 @@ State state_of(const BundleProblem& problem) {
 }  // namespace
 
 BundleResult solve_bundle_ceres(const Camera& camera, const BundleProblem& problem,
-                                const BundleOptions& options, std::stop_token stop) {
+                                const BundleOptions& options, const std::stop_token& stop) {
   constexpr double kAnyDistance = 1e100;
   const Intrinsics k(camera);
   const Layout layout = bundle::make_layout(problem);

@@ -10,6 +10,6 @@ namespace ydd {
 /// (docs/adr/0003-own-schur-solver.md). Same phases, gates and results; `iterations` counts steps
 /// that Ceres accepted or refused.
 BundleResult solve_bundle_ceres(const Camera& camera, const BundleProblem& problem,
-                                const BundleOptions& options, std::stop_token stop = {});
+                                const BundleOptions& options, const std::stop_token& stop = {});
 
 }  // namespace ydd

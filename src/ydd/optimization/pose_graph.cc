@@ -130,7 +130,7 @@ PoseGraphJacobians pose_graph_jacobians(const SE3& T_world_from, const SE3& T_wo
 }
 
 PoseGraphResult solve_pose_graph(const PoseGraph& graph, const PoseGraphOptions& options,
-                                 std::stop_token stop) {
+                                 const std::stop_token& stop) {
   check(graph);
   PoseGraphResult result;
   std::vector<PoseBlock> blocks;

@@ -60,6 +60,6 @@ PoseGraphJacobians pose_graph_jacobians(const SE3& T_world_from, const SE3& T_wo
 /// @throws std::logic_error if an edge names a node that is not there or joins a node to itself, or
 /// its information is not finite and positive semidefinite.
 PoseGraphResult solve_pose_graph(const PoseGraph& graph, const PoseGraphOptions& options,
-                                 std::stop_token stop = {});
+                                 const std::stop_token& stop = {});
 
 }  // namespace ydd

@@ -37,7 +37,8 @@ class PlainMapper {
     keyframe.points = frame.points;
     keyframe.T_world_camera = frame.T_camera_world.inverse();
     keyframe.parent = candidate.reference;
-    keyframe.map = map_;
+    keyframe.map =
+        candidate.reference.valid() ? atlas_.at(candidate.reference).map : atlas_.new_map();
     const KeyFrameId id = atlas_.add_keyframe(keyframe);
     const Features& f = frame.features();
     for (std::size_t i = 0; i < f.size(); ++i) {
@@ -52,7 +53,6 @@ class PlainMapper {
 
  private:
   Atlas atlas_;
-  MapId map_ = atlas_.new_map();
 };
 
 /// Camera, tracker and map in one hand.
@@ -62,13 +62,18 @@ class Walk {
 
   /// Tracks the next frame, seen from `T_world_camera`.
   TrackResult step(const SE3& T_world_camera, double seen_share = 1.0) {
+    return step_in(world_, T_world_camera, seen_share);
+  }
+  /// The same in another place, where nothing looks familiar.
+  TrackResult step_elsewhere() { return step_in(elsewhere_, path(index_), 1.0); }
+  TrackResult step_in(const PointWorld& world, const SE3& T_world_camera, double seen_share) {
     ViewOptions look_options;
     look_options.noise_px = 0.5;
     look_options.depth_noise = 0.002;
     look_options.flipped_bits = 15;
     look_options.seen_share = seen_share;
     look_options.seed = static_cast<unsigned>(index_);
-    view_ = look(world_, T_world_camera, look_options);
+    view_ = look(world, T_world_camera, look_options);
     TrackResult result = tracker_.track(frame_of(view_, index_++), mapper_.atlas(), true);
     if (result.candidate) mapper_.take(*result.candidate);
     return result;
@@ -83,6 +88,7 @@ class Walk {
 
  private:
   PointWorld world_ = make_world(1200, 8);
+  PointWorld elsewhere_ = make_world(1200, 80);
   Tracker tracker_;
   PlainMapper mapper_;
   View view_;
@@ -157,6 +163,25 @@ TEST(Tracker, IsLostWithoutFeaturesAndFindsItselfAgain) {
   EXPECT_EQ(back.state, TrackingState::tracking);
   EXPECT_LT(position_error_m(back.T_world_camera, Walk::path(35)), 0.02);
   EXPECT_EQ(walk.step().state, TrackingState::tracking);
+}
+
+TEST(Tracker, StartsAnotherMapWhenLostForTooLong) {
+  TrackerOptions options;
+  options.new_map_after_s = 0.19;  // six frames
+  Walk walk(options);
+  for (int i = 0; i < 10; ++i) walk.step();
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(walk.step_elsewhere().state, TrackingState::lost) << "after " << i;
+  }
+  const TrackResult fresh = walk.step_elsewhere();
+  EXPECT_EQ(fresh.state, TrackingState::tracking);
+  ASSERT_TRUE(fresh.candidate.has_value());
+  EXPECT_FALSE(fresh.candidate->reference.valid());
+  const TrackResult next = walk.step_elsewhere();
+  EXPECT_EQ(next.state, TrackingState::tracking);
+  EXPECT_NE(walk.atlas().map_of(next.reference),
+            walk.atlas().map_of(walk.atlas().keyframes().ids().front()));
+  EXPECT_THAT(walk.atlas().check_consistency(), testing::IsEmpty());
 }
 
 TEST(Tracker, AFewFeaturesAreNotEnoughToClaimAPose) {

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/mapping/cull.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ydd/map/world_testing.h"
+
+namespace ydd {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing_world::build_map;
+using testing_world::BuiltMap;
+using testing_world::hand_held;
+using testing_world::look;
+using testing_world::make_world;
+using testing_world::PointWorld;
+using testing_world::View;
+using testing_world::ViewOptions;
+
+/// `n` views from the same place, all points linked.
+BuiltMap same_place(int n, const ViewOptions& options = {}) {
+  const PointWorld world = make_world(400, 31);
+  return build_map(world,
+                   std::vector<View>(static_cast<std::size_t>(n), look(world, SE3(), options)));
+}
+
+MapPointId lone_point(Atlas& atlas, KeyFrameId id, std::size_t keypoint) {
+  atlas.remove_point(atlas.at(id).points[keypoint]);
+  return atlas.add_point({0, 0, 2}, id, static_cast<int>(keypoint));
+}
+
+TEST(CullRecentPoints, RemovesWhatIsRarelyFound) {
+  BuiltMap built = same_place(2);
+  Atlas& atlas = built.atlas;
+  const MapPointId rare = atlas.at(built.keyframes[0]).points[0];
+  const MapPointId fair = atlas.at(built.keyframes[0]).points[1];
+  atlas.count_views(rare, 9, 1);  // 2 of 10
+  atlas.count_views(fair, 7, 1);  // 2 of 8
+  std::vector<MapPointId> recent = {rare, fair};
+  EXPECT_EQ(cull_recent_points(atlas, recent, built.keyframes[1], {}), 1);
+  EXPECT_EQ(atlas.find(rare), nullptr);
+  EXPECT_NE(atlas.find(fair), nullptr);
+  EXPECT_THAT(recent, ElementsAre(fair));
+  EXPECT_THAT(atlas.check_consistency(), IsEmpty());
+}
+
+TEST(CullRecentPoints, RemovesWhatNobodyElseSawInTime) {
+  BuiltMap built = same_place(4);
+  Atlas& atlas = built.atlas;
+  const MapPointId old = lone_point(atlas, built.keyframes[1], 0);    // serial 1: age 2
+  const MapPointId young = lone_point(atlas, built.keyframes[2], 1);  // age 1
+  std::vector<MapPointId> recent = {old, young};
+  EXPECT_EQ(cull_recent_points(atlas, recent, built.keyframes[3], {}), 1);
+  EXPECT_EQ(atlas.find(old), nullptr);
+  EXPECT_THAT(recent, ElementsAre(young));
+}
+
+TEST(CullRecentPoints, ForgetsWhatPassedAndWhatIsGone) {
+  BuiltMap built = same_place(5);
+  Atlas& atlas = built.atlas;
+  const MapPointId proven = atlas.at(built.keyframes[0]).points[0];  // age 4, five sightings
+  const MapPointId gone = atlas.at(built.keyframes[0]).points[1];
+  atlas.remove_point(gone);
+  std::vector<MapPointId> recent = {proven, gone};
+  EXPECT_EQ(cull_recent_points(atlas, recent, built.keyframes[4], {}), 0);
+  EXPECT_TRUE(recent.empty());
+  EXPECT_NE(atlas.find(proven), nullptr);
+}
+
+TEST(CullRedundantKeyframes, LeavesEnoughOfThemAndAlwaysTheFirst) {
+  BuiltMap built = same_place(8);
+  const int culled = cull_redundant_keyframes(built.atlas, built.keyframes[7], {});
+  EXPECT_EQ(culled, 5);  // until no point is seen from three others any more
+  EXPECT_EQ(built.atlas.keyframes().size(), 3U);
+  EXPECT_NE(built.atlas.find(built.keyframes[0]), nullptr);
+  EXPECT_NE(built.atlas.find(built.keyframes[7]), nullptr) << "the newest is not judged";
+  EXPECT_THAT(built.atlas.check_consistency(), IsEmpty());
+}
+
+TEST(CullRedundantKeyframes, KeepsThoseWithPointsOfTheirOwn) {
+  const PointWorld world = make_world(600, 31);
+  std::vector<View> views;
+  for (int i = 0; i < 6; ++i) {
+    ViewOptions options;  // a third is shared with nobody near enough
+    options.from_point = 60 * i;
+    options.points = 200;
+    views.push_back(look(world, hand_held(0.05 * i), options));
+  }
+  BuiltMap built = build_map(world, views);
+  EXPECT_EQ(cull_redundant_keyframes(built.atlas, built.keyframes[5], {}), 0);
+}
+
+TEST(CullRedundantKeyframes, OnlyNearPointsCount) {
+  ViewOptions options;
+  options.depth_reading_m = 0;  // no reading at all: nothing can be said
+  BuiltMap built = same_place(8, options);
+  EXPECT_EQ(cull_redundant_keyframes(built.atlas, built.keyframes[7], {}), 0);
+}
+
+}  // namespace
+}  // namespace ydd

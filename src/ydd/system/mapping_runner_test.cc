@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/system/mapping_runner.h"
+
+#include <algorithm>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ydd/map/map_dump.h"
+#include "ydd/mapping/mapping_testing.h"
+
+namespace ydd {
+namespace {
+
+using testing::IsEmpty;
+using testing_world::candidate_of;
+using testing_world::look;
+using testing_world::make_world;
+using testing_world::position_error_m;
+using testing_world::Walker;
+
+using MakeRunner = std::unique_ptr<MappingRunner> (*)(Mapper, const LoopOptions&);
+
+class Runner : public testing::TestWithParam<MakeRunner> {
+ protected:
+  Walker walker_;
+  std::unique_ptr<MappingRunner> runner_ =
+      GetParam()(Mapper(walker_.world().camera, walker_.world().scales, {}), LoopOptions());
+};
+
+INSTANTIATE_TEST_SUITE_P(Both, Runner, testing::Values(make_inline_mapping, make_threaded_mapping),
+                         [](const auto& test) {
+                           return std::string(test.index == 0 ? "Inline" : "Threaded");
+                         });
+
+TEST_P(Runner, BuildsAConsistentMapWhileTheCameraMoves) {
+  std::size_t taken = 0;
+  for (int i = 0; i < 90; ++i) {
+    const std::shared_ptr<const Atlas> atlas = runner_->atlas();
+    ASSERT_NE(atlas, nullptr);
+    const TrackResult result = walker_.step(*atlas, runner_->idle());
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i;
+    if (i > 0) {
+      EXPECT_LT(position_error_m(result.T_world_camera, Walker::path(i)), 0.015) << "frame " << i;
+    }
+    if (result.candidate && runner_->submit(*result.candidate)) ++taken;
+    if (i % 10 == 0) {
+      ASSERT_THAT(runner_->atlas()->check_consistency(), IsEmpty());
+    }
+  }
+  runner_->finish();
+  EXPECT_TRUE(runner_->idle());
+  EXPECT_GE(taken, 3U);
+  EXPECT_EQ(runner_->reports().keyframes.size(), taken) << "finish() works off what waits";
+  const auto atlas = runner_->atlas();
+  EXPECT_THAT(atlas->check_consistency(), IsEmpty());
+  for (const MapperReport& report : runner_->reports().keyframes) {
+    EXPECT_TRUE(atlas->T_world_keyframe(report.keyframe).has_value());
+  }
+  MapId map = atlas->at(atlas->newest_keyframe()).map;
+  atlas->keyframes().for_each([&](KeyFrameId, const KeyFrame& k) { EXPECT_EQ(k.map, map); });
+}
+
+TEST_P(Runner, AMapThatIsStartedIsThereAtOnce) {
+  EXPECT_TRUE(runner_->atlas()->keyframes().empty());
+  const auto view = look(walker_.world(), SE3());
+  ASSERT_TRUE(runner_->submit(candidate_of(view, 0, {}, {})));
+  EXPECT_EQ(runner_->atlas()->keyframes().size(), 1U);
+}
+
+TEST_P(Runner, DrainsWhatWaitsAndThenRefuses) {
+  const auto view = look(walker_.world(), SE3());
+  ASSERT_TRUE(runner_->submit(candidate_of(view, 0, {}, {})));
+  const KeyFrameId first = runner_->atlas()->newest_keyframe();
+  std::size_t taken = 1;
+  for (int i = 1; i <= 10; ++i) {  // faster than they can be mapped
+    const SE3 T = Walker::path(4 * i);
+    if (runner_->submit(candidate_of(look(walker_.world(), T), i, first, T))) ++taken;
+  }
+  runner_->finish();
+  EXPECT_EQ(runner_->reports().keyframes.size(), taken);
+  EXPECT_TRUE(runner_->idle());
+  EXPECT_FALSE(runner_->submit(candidate_of(view, 11, first, {})));
+  EXPECT_FALSE(runner_->submit(candidate_of(view, 12, {}, {})));
+  runner_->finish();  // a second time does no harm
+  EXPECT_EQ(runner_->reports().keyframes.size(), taken);
+  EXPECT_THAT(runner_->atlas()->check_consistency(), IsEmpty());
+}
+
+TEST_P(Runner, MayBeDroppedWithoutFinish) {
+  const auto view = look(walker_.world(), SE3());
+  ASSERT_TRUE(runner_->submit(candidate_of(view, 0, {}, {})));
+  const KeyFrameId first = runner_->atlas()->newest_keyframe();
+  for (int i = 1; i <= 3; ++i) runner_->submit(candidate_of(view, i, first, {}));
+  runner_.reset();
+}
+
+TEST(ThreadedMapping, OtherThreadsMayReadTheMapMeanwhile) {
+  Walker walker;
+  const auto runner = make_threaded_mapping(
+      Mapper(walker.world().camera, walker.world().scales, {}), LoopOptions());
+  std::jthread reader([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      runner->atlas()->points().for_each(
+          [](MapPointId, const MapPoint& p) { EXPECT_FALSE(p.sightings.empty()); });
+      std::this_thread::yield();
+    }
+  });
+  for (int i = 0; i < 20; ++i) {
+    const TrackResult result = walker.step(*runner->atlas(), runner->idle());
+    if (result.candidate) runner->submit(*result.candidate);
+  }
+  runner->finish();
+}
+
+}  // namespace
+}  // namespace ydd

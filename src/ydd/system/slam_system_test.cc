@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/system/slam_system.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ydd/map/map_dump.h"
+#include "ydd/system/picture_testing.h"
+
+namespace ydd {
+namespace {
+
+using testing::IsEmpty;
+using testing_world::Wall;
+
+constexpr int kFrames = 40;
+
+SystemOptions options_for(bool deterministic, const std::string& variant = "off") {
+  SystemOptions options;
+  options.deterministic = deterministic;
+  options.dynamics.variant = variant;
+  options.dynamics.compensation.points = 500;
+  return options;
+}
+
+/// Sees the same person in every frame; from frame `fails_at` on it cannot.
+class Fixed final : public Detector {
+ public:
+  explicit Fixed(std::int64_t fails_at = 1'000'000) : fails_at_(fails_at) {}
+  Result<Detections> detect(const RgbdFrame& frame) override {
+    if (frame.index >= fails_at_) return Error{"recording.jsonl: frame 5 is not recorded"};
+    return Detections{{"person", 0.9F, {100, 40, 180, 240}}};
+  }
+
+ private:
+  std::int64_t fails_at_;
+};
+
+class System : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Both, System, testing::Values(true, false), [](const auto& test) {
+  return std::string(test.param ? "Inline" : "Threaded");
+});
+
+TEST_P(System, FollowsTheCameraAndResolvesEveryFrame) {
+  const Wall wall(kFrames);
+  SlamSystem system(wall.camera(), options_for(GetParam()), ObjectCatalogue::defaults(), nullptr);
+  for (int i = 0; i < kFrames; ++i) {
+    const Result<FrameReport> report = system.process(wall.frame(i));
+    ASSERT_TRUE(report.ok());
+    EXPECT_EQ(report->index, i);
+    EXPECT_EQ(report->stamp, wall.stamp(i));
+    EXPECT_EQ(report->track.state, TrackingState::tracking) << "frame " << i;
+    EXPECT_EQ(report->points.size(), report->observations->features.size());
+    EXPECT_FALSE(report->track.candidate.has_value());
+    ASSERT_FALSE(report->times.empty());
+    EXPECT_EQ(report->times.back().stage, "total");
+  }
+  system.finish();
+  const StampedPoses trajectory = system.trajectory();
+  ASSERT_EQ(trajectory.size(), static_cast<std::size_t>(kFrames));
+  for (int i = 0; i < kFrames; ++i) {
+    const StampedPose& pose = trajectory[static_cast<std::size_t>(i)];
+    EXPECT_EQ(pose.stamp, wall.stamp(i));
+    const SE3 error = wall.T_world_camera(i).inverse() * pose.T_world_camera;
+    EXPECT_LT(error.translation().norm(), 0.02) << "frame " << i;
+    EXPECT_LT(error.angle_rad(), 0.005) << "frame " << i;
+  }
+  EXPECT_THAT(system.atlas()->check_consistency(), IsEmpty());
+  const StampedPoses keyframes = system.keyframe_trajectory();
+  EXPECT_EQ(keyframes.size(), system.atlas()->keyframes().size());
+  EXPECT_TRUE(std::is_sorted(keyframes.begin(), keyframes.end(),
+                             [](const auto& a, const auto& b) { return a.stamp < b.stamp; }));
+  EXPECT_GE(system.mapping_reports().keyframes.size(), 2U);
+}
+
+TEST_P(System, FramesWithoutAPoseAreNotInTheTrajectory) {
+  const Wall wall(kFrames);
+  SlamSystem system(wall.camera(), options_for(GetParam()), ObjectCatalogue::defaults(), nullptr);
+  for (int i = 0; i < 20; ++i) {
+    const bool dark = i < 2 || (i >= 10 && i < 13);
+    const Result<FrameReport> report = system.process(dark ? wall.dark_frame(i) : wall.frame(i));
+    ASSERT_TRUE(report.ok());
+    EXPECT_EQ(report->track.state == TrackingState::tracking, !dark) << "frame " << i;
+  }
+  system.finish();
+  const StampedPoses trajectory = system.trajectory();
+  ASSERT_EQ(trajectory.size(), 15U);
+  EXPECT_EQ(trajectory.front().stamp, wall.stamp(2));
+  const double travelled_m = (trajectory.back().T_world_camera.translation() -
+                              trajectory.front().T_world_camera.translation())
+                                 .norm();
+  EXPECT_NEAR(travelled_m,
+              (wall.T_world_camera(19).translation() - wall.T_world_camera(2).translation()).norm(),
+              0.01);
+}
+
+TEST_P(System, RejectedPointsNeverReachTheMap) {
+  const Wall wall(kFrames);
+  SlamSystem system(wall.camera(), options_for(GetParam(), "box"), ObjectCatalogue::defaults(),
+                    std::make_unique<Fixed>());
+  int rejected = 0;
+  for (int i = 0; i < 10; ++i) {
+    const Result<FrameReport> report = system.process(wall.frame(i));
+    ASSERT_TRUE(report.ok());
+    ASSERT_EQ(report->detections.size(), 1U);
+    rejected += static_cast<int>(report->observations->rejected.size());
+  }
+  system.finish();
+  EXPECT_GT(rejected, 0);
+  const Box person{100, 40, 180, 240};
+  system.atlas()->keyframes().for_each([&](KeyFrameId, const KeyFrame& keyframe) {
+    for (const Keypoint& k : keyframe.features().keypoints) {
+      EXPECT_FALSE(person.contains(k.x_px, k.y_px));
+    }
+  });
+}
+
+TEST(SlamSystem, GivesTheErrorOfItsDetector) {
+  const Wall wall(kFrames);
+  SlamSystem system(wall.camera(), options_for(true, "full"), ObjectCatalogue::defaults(),
+                    std::make_unique<Fixed>(5));
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(system.process(wall.frame(i)).ok());
+  const Result<FrameReport> report = system.process(wall.frame(5));
+  ASSERT_FALSE(report.ok());
+  EXPECT_EQ(report.error().message, "recording.jsonl: frame 5 is not recorded");
+  system.finish();
+  EXPECT_EQ(system.trajectory().size(), 5U);
+}
+
+TEST(SlamSystem, IsDeterministicWhenAsked) {
+  const auto run = [] {
+    const Wall wall(kFrames);
+    SlamSystem system(wall.camera(), options_for(true, "full"), ObjectCatalogue::defaults(),
+                      std::make_unique<Fixed>());
+    for (int i = 0; i < 25; ++i) EXPECT_TRUE(system.process(wall.frame(i)).ok());
+    system.finish();
+    return format_trajectory(system.trajectory(), TrajectoryFormat::tum) +
+           dump_map(*system.atlas());
+  };
+  EXPECT_EQ(run(), run());
+}
+
+}  // namespace
+}  // namespace ydd
