@@ -39,9 +39,9 @@ struct OrbFeatures {
 
 /// Scale of each pyramid level and the variance of a keypoint on it.
 struct PyramidScales {
-  std::vector<double> factor;        ///< 1, 1.2, 1.44, ...
-  std::vector<double> inv_sigma2;    ///< 1 / factor^2: information of a pixel coordinate, 1/px^2
-  double log_step = 0;               ///< ln of the step between levels
+  std::vector<double> factor;      ///< 1, 1.2, 1.44, ...
+  std::vector<double> inv_sigma2;  ///< 1 / factor^2: information of a pixel coordinate, 1/px^2
+  double log_step = 0;             ///< ln of the step between levels
   static PyramidScales make(int levels, double step);
   int levels() const { return static_cast<int>(factor.size()); }
 };

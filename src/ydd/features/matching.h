@@ -25,14 +25,14 @@ class KeypointGrid {
   static constexpr float kCell_px = 16.0F;
   float origin_x_px_ = 0, origin_y_px_ = 0;
   int columns_ = 0, rows_ = 0;
-  std::vector<int> start_;    ///< columns * rows + 1 offsets into order_
-  std::vector<int> order_;    ///< keypoint indices by cell
+  std::vector<int> start_;  ///< columns * rows + 1 offsets into order_
+  std::vector<int> order_;  ///< keypoint indices by cell
 };
 
 /// Nearest and second nearest of some candidates.
 struct BestMatch {
-  int index = -1;          ///< into the features; -1: no candidate
-  int distance = 257;      ///< Hamming
+  int index = -1;      ///< into the features; -1: no candidate
+  int distance = 257;  ///< Hamming
   int second_distance = 257;
   int octave = -1;         ///< of the best
   int second_octave = -1;  ///< of the second best
