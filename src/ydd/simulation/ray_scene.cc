@@ -43,7 +43,6 @@ Device make_device() {
 
 RayScene make_ray_scene(const Device& device, const std::vector<Part>& parts) {
   RayScene scene = new_scene(device);
-  rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
   unsigned id = 0;
   for (const Part& part : parts) attach_mesh(device.get(), scene.get(), part.mesh, id++);
   rtcCommitScene(scene.get());
