@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "bench.h"
+#include "bench_seeds.h"
 #include "commands.h"
 
 namespace ydd::app {
@@ -53,6 +54,35 @@ void add_bench(CLI::App& parent, Job& job, const std::string& name, const std::s
   });
 }
 
+using SeedBench = Result<std::string> (*)(const SeedRequest&);
+
+void add_seed_bench(CLI::App& parent, Job& job, const std::string& name, const std::string& what,
+                    SeedBench bench) {
+  auto request = std::make_shared<SeedRequest>();
+  auto* command = parent.add_subcommand(name, what);
+  if (bench == &bench_places) {
+    command->add_option("sequences", request->sequences, "Recordings with ground truth to add");
+  }
+  command->add_option("--seeds", request->seeds, "How many worlds")->check(CLI::Range(1, 10000));
+  command->add_option("--first-seed", request->first_seed, "Seed of the first")
+      ->check(CLI::Range(0, 1000000));
+  command->add_option("--width", request->width_px, "Width of the pictures in px, 4:3")
+      ->check(CLI::Range(160, 1280));
+  command->add_option("--fps", request->fps, "Frames a second")->check(CLI::Range(1.0, 60.0));
+  command->add_option("--minutes", request->minutes, "Length of the walk")
+      ->check(CLI::Range(0.1, 1000.0));
+  command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
+  command->add_option("--out", request->out, "Also write all figures as JSON");
+  command->callback([request, bench, &job] {
+    job = [request, bench]() -> Result<void> {
+      const Result<std::string> table = bench(*request);
+      if (!table) return table.error();
+      fmt::print("{}", *table);
+      return {};
+    };
+  });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& app, Job& job) {
@@ -62,12 +92,22 @@ void add_bench_command(CLI::App& app, Job& job) {
       "Examples:\n"
       "  ydd-slam bench ablation samples/office_crowd --simulated 3\n"
       "  ydd-slam bench dynamics samples/office_crowd\n"
-      "  ydd-slam bench speed rgbd_dataset_freiburg1_xyz");
+      "  ydd-slam bench speed rgbd_dataset_freiburg1_xyz\n"
+      "  ydd-slam bench loops --seeds 20");
   add_bench(*command, job, "ablation", "ATE and RPE of the variants off, box, person, full",
             &bench_ablation, true);
   add_bench(*command, job, "dynamics", "Recall and precision of rejected points per variant",
             &bench_dynamics, true);
   add_bench(*command, job, "speed", "Time per frame and stage", &bench_speed, false);
+  add_seed_bench(*command, job, "loops",
+                 "Simulated walks: loops closed, false ones, what they gain", &bench_loops);
+  add_seed_bench(*command, job, "places", "Simulated walks: how often a place is recognised",
+                 &bench_places);
+  add_seed_bench(*command, job, "recovery",
+                 "Simulated accidents: how often and how soon a lost camera is found again",
+                 &bench_recovery);
+  add_seed_bench(*command, job, "walk", "One long simulated walk: time, memory and map size",
+                 &bench_walk);
 }
 
 }  // namespace ydd::app

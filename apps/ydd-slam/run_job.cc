@@ -243,6 +243,7 @@ Result<RunOutcome> run_sequence(const RunRequest& request) {
                     recorder.timings_json(system),
                     system.trajectory(),
                     sequence->groundtruth_file(),
+                    system.atlas(),
                     recorder.processed(),
                     recorder.tracked()};
 }

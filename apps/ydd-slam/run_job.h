@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "ydd/base/result.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/dataset/tum_sequence.h"
+#include "ydd/map/atlas.h"
 
 namespace ydd::app {
 
@@ -44,6 +46,7 @@ struct RunOutcome {
   std::string timings_json;
   StampedPoses trajectory;
   std::optional<std::filesystem::path> groundtruth_file;
+  std::shared_ptr<const Atlas> atlas;  ///< in the end
   int processed = 0;
   int tracked = 0;
 };

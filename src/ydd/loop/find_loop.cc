@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "ydd/loop/loop_closer.h"
@@ -63,9 +64,8 @@ bool witnesses(const Atlas& atlas, KeyFrameId neighbour, const LoopMatch& match,
   return stayed && static_cast<int>(pose.inliers.size()) >= options.consistent_inliers;
 }
 
-bool is_consistent(const Atlas& atlas, const LoopMatch& match, const std::vector<MapPointId>& seen,
-                   const LoopOptions& options) {
-  const LocalMap matched_part = gather_local_map(atlas, seen, match.matched, kNeighbourhood);
+bool is_consistent(const Atlas& atlas, const LoopMatch& match, const LoopOptions& options) {
+  const LocalMap matched_part = gather_local_map(atlas, match.seen, match.matched, kNeighbourhood);
   int agreeing = 0;
   const auto& neighbours = atlas.at(match.current).covisible;
   for (std::size_t i = 0; i < neighbours.size() && i < kWitnesses; ++i) {
@@ -77,34 +77,88 @@ bool is_consistent(const Atlas& atlas, const LoopMatch& match, const std::vector
   return agreeing >= options.consistent_keyframes;
 }
 
+/// How far the camera went between two keyframes of one map, metres.
+double travelled_m(const Atlas& atlas, const KeyFrame& from, const KeyFrame& to) {
+  std::map<std::int64_t, Eigen::Vector3d> way;
+  atlas.keyframes().for_each([&](KeyFrameId, const KeyFrame& keyframe) {
+    const bool between = keyframe.serial >= from.serial && keyframe.serial <= to.serial;
+    if (between && keyframe.map == to.map) {
+      way[keyframe.serial] = keyframe.T_world_camera.translation();
+    }
+  });
+  double sum_m = 0;
+  const Eigen::Vector3d* last = nullptr;
+  for (const auto& [serial, p_world] : way) {
+    if (last) sum_m += (p_world - *last).norm();
+    last = &p_world;
+  }
+  return sum_m;
+}
+
+/// Whether odometry can be as wrong as the match says.
+bool is_plausible_drift(const Atlas& atlas, const LoopMatch& match, const LoopOptions& options) {
+  const KeyFrame& current = atlas.at(match.current);
+  const KeyFrame& matched = atlas.at(match.matched);
+  if (current.map != matched.map) return true;
+  const double way_m = travelled_m(atlas, matched, current);
+  const SE3 drift = current.T_world_camera.inverse() * match.T_world_current;
+  return drift.translation().norm() <= options.max_drift_m + options.max_drift_share * way_m &&
+         drift.angle_rad() <= options.max_turn_drift_rad + options.max_turn_drift_rad_per_m * way_m;
+}
+
+/// Keyframes in which a loop may be found, best first, one a place.
+std::vector<KeyFrameId> loop_candidates(const Atlas& atlas, KeyFrameId current,
+                                        const LoopOptions& options) {
+  const KeyFrame& keyframe = atlas.at(current);
+  const std::set<KeyFrameId> known = connected(atlas, current);
+  const auto admit = [&](KeyFrameId id) {
+    const KeyFrame& other = atlas.at(id);
+    const bool old =
+        other.map != keyframe.map || other.serial + options.min_age_keyframes <= keyframe.serial;
+    return old && !known.contains(id);
+  };
+  constexpr std::size_t kPerPlace = 6;  // keyframes of one place that look much the same
+  const auto wanted = static_cast<std::size_t>(options.candidates);
+  const double least = options.min_score_ratio * neighbour_score(atlas, keyframe);
+  const auto similar = query_places(atlas, *keyframe.words, admit, kPerPlace * wanted);
+  std::vector<KeyFrameId> out;
+  for (const PlaceCandidate& place : distinct_places(atlas, similar, wanted)) {
+    if (place.score >= least) out.push_back(place.keyframe);
+  }
+  return out;
+}
+
+/// The match with one candidate, as far as the two keyframes alone can tell.
+std::optional<LoopMatch> match_candidate(const Atlas& atlas, KeyFrameId current, KeyFrameId id,
+                                         const std::vector<KeyFrameId>& rivals,
+                                         const LoopOptions& options) {
+  RelocalizationOptions relocalization = options.match;
+  relocalization.min_inliers = options.min_inliers;
+  const TrackedFrame frame = as_frame(atlas.at(current));
+  const bool other_map = atlas.at(id).map != atlas.at(current).map;
+  const auto found = other_map ? relocalize_uniquely(atlas, frame, rivals, relocalization,
+                                                     PoseOnlyOptions(), MatchLimits())
+                               : relocalize(atlas, frame, std::span(&id, 1), relocalization,
+                                            PoseOnlyOptions(), MatchLimits());
+  if (!found) return std::nullopt;
+  LoopMatch match{current, found->keyframe, found->T_camera_world.inverse(), {}};
+  for (const PointMatch& m : found->inliers) match.seen.push_back(m.point);
+  return match;
+}
+
 }  // namespace
 
 std::optional<LoopMatch> find_loop(const Atlas& atlas, KeyFrameId current,
                                    const LoopOptions& options) {
   const KeyFrame* keyframe = atlas.find(current);
   if (!keyframe || !keyframe->words || !options.enabled) return std::nullopt;
-  const std::set<KeyFrameId> known = connected(atlas, current);
-  const auto admit = [&](KeyFrameId id) {
-    const KeyFrame& other = atlas.at(id);
-    const bool old =
-        other.map != keyframe->map || other.serial + options.min_age_keyframes <= keyframe->serial;
-    return old && !known.contains(id);
-  };
-  const double least = options.min_score_ratio * neighbour_score(atlas, *keyframe);
-  const TrackedFrame frame = as_frame(*keyframe);
-  for (const PlaceCandidate& candidate :
-       query_places(atlas, *keyframe->words, admit, static_cast<std::size_t>(options.candidates))) {
-    if (candidate.score < least) break;
-    RelocalizationOptions relocalization = options.match;
-    relocalization.min_inliers = options.min_inliers;
-    const auto found = relocalize(atlas, frame, std::span(&candidate.keyframe, 1), relocalization,
-                                  PoseOnlyOptions(), MatchLimits());
-    if (!found) continue;
-    std::vector<MapPointId> seen;
-    for (const PointMatch& m : found->inliers) seen.push_back(m.point);
-    const LoopMatch match{current, candidate.keyframe, found->T_camera_world.inverse(),
-                          static_cast<int>(found->inliers.size())};
-    if (is_consistent(atlas, match, seen, options)) return match;
+  const std::vector<KeyFrameId> candidates = loop_candidates(atlas, current, options);
+  for (const KeyFrameId candidate : candidates) {
+    const auto match = match_candidate(atlas, current, candidate, candidates, options);
+    if (match && is_plausible_drift(atlas, *match, options) &&
+        is_consistent(atlas, *match, options)) {
+      return match;
+    }
   }
   return std::nullopt;
 }

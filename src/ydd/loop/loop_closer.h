@@ -20,6 +20,10 @@ struct LoopOptions {
   int min_inliers = 40;
   int consistent_keyframes = 2;
   int consistent_inliers = 20;
+  double max_drift_m = 0.2;
+  double max_drift_share = 0.05;
+  double max_turn_drift_rad = 0.1;
+  double max_turn_drift_rad_per_m = 0.02;
   int essential_weight = 60;
   RelocalizationOptions match;
   PoseGraphOptions graph;
@@ -32,14 +36,18 @@ struct LoopOptions {
 struct LoopMatch {
   KeyFrameId current;
   KeyFrameId matched;
-  SE3 T_world_current;  ///< in the frame of the matched keyframe's map
-  int inliers = 0;
+  SE3 T_world_current;           ///< in the frame of the matched keyframe's map
+  std::vector<MapPointId> seen;  ///< points of the matched part that agree
 };
 
 /// Looks for the place of `current` among older keyframes that share no points with it:
 /// candidates by bag of words (at least nearly as similar as a covisible neighbour), then matches,
 /// PnP, pose optimisation and guided search against the candidate's part of the map, then the same
 /// relative pose must hold for neighbours of `current`. Nothing unless all agree.
+///
+/// Places that look alike pass all of this. Within one map odometry tells them apart: a loop that
+/// asks for more correction than a camera can have drifted on its way from one keyframe to the
+/// other is none. Between maps nothing is known, so the place must be unlike every other one.
 std::optional<LoopMatch> find_loop(const Atlas& atlas, KeyFrameId current,
                                    const LoopOptions& options);
 

@@ -92,6 +92,7 @@ LoopOptions quick_options() {
   LoopOptions options;
   options.min_age_keyframes = 3;
   options.min_score_ratio = 0.5;
+  options.max_drift_m = 2.0;  // the way is short, the drift of these tests is not
   return options;
 }
 
@@ -118,6 +119,35 @@ TEST(FindLoop, AStrangePlaceIsNoLoop) {
   for (const KeyFrameId id : visits.new_keyframes) {
     EXPECT_FALSE(find_loop(visits.atlas, id, quick_options()).has_value());
   }
+}
+
+TEST(FindLoop, MoreThanACameraDriftsIsAnotherPlaceThatLooksAlike) {
+  const TwoVisits visits = two_visits(small_drift(), true);
+  LoopOptions options = quick_options();
+  options.max_drift_m = 0.1;
+  options.max_drift_share = 0.0;
+  EXPECT_FALSE(find_loop(visits.atlas, visits.new_keyframes.back(), options).has_value());
+  options.max_drift_share = 1.0;  // the more of the way may be drift, the more is plausible
+  EXPECT_TRUE(find_loop(visits.atlas, visits.new_keyframes.back(), options).has_value());
+}
+
+TEST(FindLoop, TheWayOfTheCameraDoesNotCountBetweenMaps) {
+  const TwoVisits visits = two_visits(small_drift(), true, true);
+  LoopOptions options = quick_options();
+  options.max_drift_m = options.max_drift_share = 0.0;
+  EXPECT_TRUE(find_loop(visits.atlas, visits.new_keyframes.back(), options).has_value());
+}
+
+TEST(FindLoop, BetweenMapsAPlaceThatIsThereTwiceIsNone) {
+  TwoVisits visits = two_visits(small_drift(), true, true);
+  const KeyFrameId current = visits.new_keyframes.back();
+  ASSERT_TRUE(find_loop(visits.atlas, current, quick_options()).has_value());
+  // The same things once more, three metres farther on in the first map.
+  const PointWorld world = make_world(700, 3);
+  add_visit(visits.atlas, world, views_of(world, kOldViews, 0.0, 201),
+            SE3(Eigen::Quaterniond::Identity(), {3.0, 0.0, 0.0}), visits.first_map,
+            visits.old_keyframes.back());
+  EXPECT_FALSE(find_loop(visits.atlas, current, quick_options()).has_value());
 }
 
 TEST(FindLoop, OffMeansOff) {

@@ -13,6 +13,12 @@ void LoopOptions::describe(OptionTable& t) {
   t.add("consistent_keyframes", consistent_keyframes, {0, 5}, "",
         "neighbours that must agree with the loop");
   t.add("consistent_inliers", consistent_inliers, {3, 1000}, "", "map points for that");
+  t.add("max_drift", max_drift_m, {0.0, 1000.0}, "m", "correction that a loop may ask for, ...");
+  t.add("max_drift_share", max_drift_share, {0.0, 1.0}, "",
+        "... and how much more per metre on the way between the keyframes");
+  t.add("max_turn_drift", max_turn_drift_rad, {0.0, 4.0}, "rad", "the same for the rotation, ...");
+  t.add("max_turn_drift_per_m", max_turn_drift_rad_per_m, {0.0, 1.0}, "rad/m",
+        "... and how much more per metre on the way");
   t.add("essential_weight", essential_weight, {1, 1000}, "",
         "shared points from which two keyframes hold each other in the pose graph");
   t.group("match", match);

@@ -2,6 +2,7 @@
 #include "ydd/place/place_query.h"
 
 #include <algorithm>
+#include <set>
 
 namespace ydd {
 
@@ -22,6 +23,24 @@ std::vector<PlaceCandidate> query_places(const Atlas& atlas, const BagOfWords& w
                     });
   candidates.resize(n);
   return candidates;
+}
+
+std::vector<PlaceCandidate> distinct_places(const Atlas& atlas,
+                                            const std::vector<PlaceCandidate>& candidates,
+                                            std::size_t max_places) {
+  std::vector<PlaceCandidate> places;
+  std::set<KeyFrameId> taken;
+  for (const PlaceCandidate& candidate : candidates) {
+    if (places.size() == max_places) break;
+    std::vector<KeyFrameId> around{candidate.keyframe};
+    for (const Covisible& c : atlas.at(candidate.keyframe).covisible) around.push_back(c.keyframe);
+    const bool known = std::any_of(around.begin(), around.end(),
+                                   [&](KeyFrameId id) { return taken.contains(id); });
+    if (known) continue;
+    taken.insert(around.begin(), around.end());
+    places.push_back(candidate);
+  }
+  return places;
 }
 
 }  // namespace ydd

@@ -23,4 +23,10 @@ std::vector<PlaceCandidate> query_places(const Atlas& atlas, const BagOfWords& w
                                          const std::function<bool(KeyFrameId)>& admit,
                                          std::size_t max_candidates);
 
+/// The candidates that stand for places of their own: one that is covisible with a better one, or
+/// has a covisible keyframe in common with it, says nothing new and goes. At most `max_places`.
+std::vector<PlaceCandidate> distinct_places(const Atlas& atlas,
+                                            const std::vector<PlaceCandidate>& candidates,
+                                            std::size_t max_places);
+
 }  // namespace ydd

@@ -40,5 +40,38 @@ TEST(QueryPlaces, TheSamePlaceComesFirstAndTheFilterHolds) {
   for (const PlaceCandidate& c : others) EXPECT_NE(c.keyframe, ids[5]);
 }
 
+TEST(DistinctPlaces, NeighboursOfABetterCandidateSayNothingNew) {
+  const PointWorld here = make_world(500, 1);
+  const PointWorld there = make_world(500, 2);
+  Atlas atlas(here.camera, here.scales);
+  const MapId map = atlas.new_map();
+  std::vector<MapPointId> points(here.p_world.size());
+  std::vector<KeyFrameId> ids;
+  for (int i = 0; i < 2; ++i) {  // two keyframes that share the points of one place
+    const View view = look(here, hand_held(0.1 * i));
+    KeyFrame keyframe = keyframe_of(view);
+    keyframe.map = map;
+    ids.push_back(atlas.add_keyframe(std::move(keyframe)));
+    for (std::size_t k = 0; k < view.shown.size(); ++k) {
+      const auto shown = static_cast<std::size_t>(view.shown[k]);
+      if (points[shown].valid()) {
+        atlas.add_sighting(points[shown], ids.back(), static_cast<int>(k));
+      } else {
+        points[shown] = atlas.add_point(here.p_world[shown], ids.back(), static_cast<int>(k));
+      }
+    }
+  }
+  for (const KeyFrameId id : ids) atlas.refresh_covisibility(id, 15);
+  KeyFrame stranger = keyframe_of(look(there, SE3()));
+  stranger.map = map;
+  ids.push_back(atlas.add_keyframe(std::move(stranger)));
+  const std::vector<PlaceCandidate> candidates{{ids[1], 0.9}, {ids[0], 0.8}, {ids[2], 0.1}};
+  const auto places = distinct_places(atlas, candidates, 5);
+  ASSERT_EQ(places.size(), 2U);
+  EXPECT_EQ(places[0].keyframe, ids[1]);
+  EXPECT_EQ(places[1].keyframe, ids[2]);
+  EXPECT_EQ(distinct_places(atlas, candidates, 1).size(), 1U);
+}
+
 }  // namespace
 }  // namespace ydd

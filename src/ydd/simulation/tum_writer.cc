@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/simulation/tum_writer.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <iterator>
 #include <optional>
@@ -161,9 +163,9 @@ Result<void> write_tum_sequence(const Simulator& simulator, const fs::path& fold
   }
   fs::path part = folder;
   if (!part.has_filename()) part = part.parent_path();  // "out/"
-  part += ".part";
+  part += fmt::format(".{}.part", ::getpid());  // two programmes may write the same sequence
   std::error_code ignored;
-  fs::remove_all(part, ignored);  // of an earlier run that was stopped
+  fs::remove_all(part, ignored);
   if (auto r = write_all(simulator, part, options); !r) {
     fs::remove_all(part, ignored);
     return r;
@@ -171,6 +173,7 @@ Result<void> write_tum_sequence(const Simulator& simulator, const fs::path& fold
   std::error_code failure;
   fs::rename(part, folder, failure);
   if (failure) {
+    fs::remove_all(part, ignored);
     return Error{fmt::format("{}: cannot be named {}: {}", part.string(), folder.string(),
                              failure.message())};
   }

@@ -21,9 +21,10 @@ LoopReport describe(const Atlas& atlas, const LoopMatch& match) {
           match.matched,
           current.frame_index,
           matched.frame_index,
-          match.inliers,
+          static_cast<int>(match.seen.size()),
           drift.translation().norm(),
-          current.map != matched.map};
+          current.map != matched.map,
+          matched.T_world_camera.inverse() * match.T_world_current};
 }
 
 std::optional<LoopMatch> timed_find_loop(const Atlas& atlas, KeyFrameId id,

@@ -16,6 +16,7 @@ struct LoopReport {
   int inliers = 0;
   double shift_m = 0;   ///< how far the keyframe had drifted
   bool welded = false;  ///< two maps became one
+  SE3 T_matched_current;  ///< as measured
 };
 
 /// Everything that the back end did.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/tracking/relocalization.h"
 
+#include <algorithm>
+
 #include <opencv2/calib3d.hpp>
 
 #include "ydd/tracking/pose_from_matches.h"
@@ -71,6 +73,12 @@ std::optional<Relocalization> try_keyframe(const Atlas& atlas, TrackedFrame fram
   return Relocalization{pose.T_camera_world, std::move(pose.inliers), id};
 }
 
+/// Two keyframes of one place lead to the same pose.
+bool is_same_pose(const Relocalization& a, const Relocalization& b) {
+  const SE3 apart = a.T_camera_world * b.T_camera_world.inverse();
+  return apart.translation().norm() < 0.3 && apart.angle_rad() < 0.2;
+}
+
 }  // namespace
 
 void RelocalizationOptions::describe(OptionTable& t) {
@@ -79,6 +87,8 @@ void RelocalizationOptions::describe(OptionTable& t) {
   t.add("ransac_iterations", ransac_iterations, {1, 100000}, "", "samples drawn at most");
   t.add("ransac_threshold", ransac_threshold_px, {0.1, 100.0}, "px", "inlier distance");
   t.add("min_inliers", min_inliers, {4, 10000}, "", "points that must agree in the end");
+  t.add("rival_share", rival_share, {0.1, 1.0}, "",
+        "a second place that reaches this share of the best one's points makes it ambiguous");
   t.add("seed", seed, {0, 2147483647}, "", "seed of the sampling");
 }
 
@@ -93,6 +103,31 @@ std::optional<Relocalization> relocalize(const Atlas& atlas, const TrackedFrame&
     if (found) return found;
   }
   return std::nullopt;
+}
+
+std::optional<Relocalization> relocalize_uniquely(const Atlas& atlas, const TrackedFrame& frame,
+                                                  std::span<const KeyFrameId> places,
+                                                  const RelocalizationOptions& options,
+                                                  const PoseOnlyOptions& pose_options,
+                                                  const MatchLimits& limits) {
+  std::optional<Relocalization> best;
+  std::size_t rival = 0;  // points of the second best
+  for (const KeyFrameId id : places) {
+    if (!atlas.find(id)) continue;
+    auto found = try_keyframe(atlas, frame, id, options, pose_options, limits);
+    if (!found) continue;
+    if (best && is_same_pose(*best, *found)) {
+      if (found->inliers.size() > best->inliers.size()) best = std::move(found);
+      continue;
+    }
+    if (best) rival = std::max(rival, std::min(best->inliers.size(), found->inliers.size()));
+    if (!best || found->inliers.size() > best->inliers.size()) best = std::move(found);
+  }
+  if (best && static_cast<double>(rival) >=
+                  options.rival_share * static_cast<double>(best->inliers.size())) {
+    return std::nullopt;
+  }
+  return best;
 }
 
 }  // namespace ydd

@@ -15,6 +15,7 @@ struct RelocalizationOptions {
   int ransac_iterations = 200;
   double ransac_threshold_px = 4.0;
   int min_inliers = 30;
+  double rival_share = 0.7;
   int seed = 1;
   void describe(OptionTable& table);
 };
@@ -34,5 +35,13 @@ std::optional<Relocalization> relocalize(const Atlas& atlas, const TrackedFrame&
                                          const RelocalizationOptions& options,
                                          const PoseOnlyOptions& pose_options,
                                          const MatchLimits& limits);
+
+/// Like `relocalize`, but nothing if the picture fits two places: each of `places` stands for one,
+/// and none may reach `rival_share` of the points of the best.
+std::optional<Relocalization> relocalize_uniquely(const Atlas& atlas, const TrackedFrame& frame,
+                                                  std::span<const KeyFrameId> places,
+                                                  const RelocalizationOptions& options,
+                                                  const PoseOnlyOptions& pose_options,
+                                                  const MatchLimits& limits);
 
 }  // namespace ydd

@@ -194,23 +194,30 @@ std::optional<PoseFromMatches> Tracker::pose_by_reference(const TrackedFrame& fr
   return pose;
 }
 
-std::vector<KeyFrameId> Tracker::likely_keyframes(const TrackedFrame& frame,
-                                                  const Atlas& atlas) const {
-  std::vector<KeyFrameId> out = recent_keyframes(atlas, last_reference_);
+std::vector<KeyFrameId> Tracker::similar_places(const TrackedFrame& frame,
+                                                const Atlas& atlas) const {
+  constexpr std::size_t kPerPlace = 6;  // keyframes of one place that look much the same
   const BagOfWords words = bag_of_words(builtin_vocabulary(), frame.features().descriptors);
-  const auto is_new = [&](KeyFrameId id) {
-    return std::find(out.begin(), out.end(), id) == out.end();
-  };
-  const auto places =
-      query_places(atlas, words, is_new, static_cast<std::size_t>(options_.place_candidates));
-  for (const PlaceCandidate& place : places) out.push_back(place.keyframe);
+  const auto wanted = static_cast<std::size_t>(options_.place_candidates);
+  const auto candidates = query_places(
+      atlas, words, [](KeyFrameId) { return true; }, kPerPlace * wanted);
+  std::vector<KeyFrameId> out;
+  for (const PlaceCandidate& place : distinct_places(atlas, candidates, wanted)) {
+    out.push_back(place.keyframe);
+  }
   return out;
 }
 
 std::optional<PoseFromMatches> Tracker::pose_by_relocalization(const TrackedFrame& frame,
                                                                const Atlas& atlas) const {
-  const auto found = relocalize(atlas, frame, likely_keyframes(frame, atlas),
-                                options_.relocalization, options_.pose, options_.match);
+  // Where it has just been it may be without further proof; elsewhere the place must be unlike
+  // every other one.
+  auto found = relocalize(atlas, frame, recent_keyframes(atlas, last_reference_),
+                          options_.relocalization, options_.pose, options_.match);
+  if (!found) {
+    found = relocalize_uniquely(atlas, frame, similar_places(frame, atlas), options_.relocalization,
+                                options_.pose, options_.match);
+  }
   if (!found) return std::nullopt;
   return PoseFromMatches{found->T_camera_world, found->inliers, Matrix6d::Zero()};
 }

@@ -91,7 +91,7 @@ class Tracker {
 
   TrackResult initialize(TrackedFrame frame);
   bool adopt_first_keyframe(const Atlas& atlas);
-  std::vector<KeyFrameId> likely_keyframes(const TrackedFrame& frame, const Atlas& atlas) const;
+  std::vector<KeyFrameId> similar_places(const TrackedFrame& frame, const Atlas& atlas) const;
   void refresh_last_frame(const Atlas& atlas);
   std::optional<PoseFromMatches> initial_pose(const TrackedFrame& frame, const Atlas& atlas) const;
   std::optional<PoseFromMatches> pose_by_motion(const TrackedFrame& frame,
