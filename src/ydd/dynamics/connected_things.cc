@@ -14,18 +14,39 @@ struct Cell {
 };
 constexpr std::array<Cell, 4> kNeighbours = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
-float cell_reading(const DepthImage& depth_m, int x0, int y0, int cell_px) {
-  const int half = cell_px / 2;
-  const int inset = cell_px / 4;
-  const int far = cell_px - 1 - inset;
-  const std::array<Cell, 5> samples = {
-      {{half, half}, {inset, inset}, {far, inset}, {inset, far}, {far, far}}};
-  for (const auto& [dx, dy] : samples) {
-    const float d = depth_m(x0 + dx, y0 + dy);
-    if (d > 0.0F && std::isfinite(d)) return d;
+/// A depth image at a coarse step, read where it is looked at: most of it never is.
+class DepthGrid {
+ public:
+  DepthGrid(const DepthImage& depth_m, int cell_px)
+      : depth_m_(depth_m),
+        cell_px_(cell_px),
+        columns_(depth_m.width() / cell_px),
+        rows_(depth_m.height() / cell_px),
+        readings_(static_cast<std::size_t>(columns_) * rows_, kUnread) {}
+
+  int cell_px() const { return cell_px_; }
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  bool contains(const Cell& c) const {
+    return c.column >= 0 && c.row >= 0 && c.column < columns_ && c.row < rows_;
   }
-  return 0.0F;
-}
+  std::size_t index(const Cell& c) const {
+    return static_cast<std::size_t>(c.row) * columns_ + c.column;
+  }
+  float at(const Cell& c) {
+    float& reading = readings_[index(c)];
+    if (reading == kUnread) {
+      reading = cell_reading(depth_m_, c.column * cell_px_, c.row * cell_px_, cell_px_);
+    }
+    return reading;
+  }
+
+ private:
+  static constexpr float kUnread = -1.0F;
+  const DepthImage& depth_m_;
+  int cell_px_, columns_, rows_;
+  std::vector<float> readings_;
+};
 
 /// The cells whose centre lies in a box, [first, last).
 struct CellRect {
@@ -37,11 +58,11 @@ struct CellRect {
 
 CellRect cells_of(const DepthGrid& grid, const Box& box) {
   const auto first = [&](float px, int count) {
-    const auto k = static_cast<int>(std::ceil(px / static_cast<float>(grid.cell_px) - 0.5F));
+    const auto k = static_cast<int>(std::ceil(px / static_cast<float>(grid.cell_px()) - 0.5F));
     return std::clamp(k, 0, count);
   };
-  return {first(box.x0, grid.columns), first(box.y0, grid.rows), first(box.x1, grid.columns),
-          first(box.y1, grid.rows)};
+  return {first(box.x0, grid.columns()), first(box.y0, grid.rows()), first(box.x1, grid.columns()),
+          first(box.y1, grid.rows())};
 }
 
 /// A surface while it is followed.
@@ -53,11 +74,13 @@ struct Surface {
 /// Follows surfaces outside the boxes of bodies.
 class Follower {
  public:
-  Follower(const DepthGrid& grid, std::span<const CellRect> bodies, double step_share)
-      : grid_(grid), step_share_(step_share), owner_(grid.depth_m.size(), kOpen) {
+  Follower(DepthGrid& grid, std::span<const CellRect> bodies, double step_share)
+      : grid_(grid),
+        step_share_(step_share),
+        owner_(static_cast<std::size_t>(grid.columns()) * grid.rows(), kOpen) {
     for (std::size_t body = 0; body < bodies.size(); ++body) {
       for (int row = bodies[body].row0; row < bodies[body].row1; ++row) {
-        const auto begin = owner_.begin() + row * grid.columns;
+        const auto begin = owner_.begin() + row * grid.columns();
         std::fill(begin + bodies[body].column0, begin + bodies[body].column1,
                   static_cast<int>(body));
       }
@@ -88,13 +111,13 @@ class Follower {
   static constexpr int kOpen = -1;
   static constexpr int kFollowed = -2;
 
-  float at(const Cell& cell) const { return grid_.at(cell.column, cell.row); }
+  float at(const Cell& cell) { return grid_.at(cell); }
 
   /// A surface that goes on, but out of the depth range or into another body's box, has no end
   /// there.
   void take(int body, const Cell& from, const Cell& to, const DepthRange& range, Surface& surface) {
-    if (!grid_.contains(to.column, to.row) || !continuous(at(from), at(to), step_share_)) return;
-    int& owner = owner_[static_cast<std::size_t>(to.row) * grid_.columns + to.column];
+    if (!grid_.contains(to) || !continuous(at(from), at(to), step_share_)) return;
+    int& owner = owner_[grid_.index(to)];
     if (owner == kFollowed || owner == body) return;
     if (owner != kOpen || !range.contains(at(to))) {
       surface.bounded = false;
@@ -104,24 +127,23 @@ class Follower {
     surface.cells.push_back(to);
   }
 
-  const DepthGrid& grid_;
+  DepthGrid& grid_;
   double step_share_;
   std::vector<int> owner_;  ///< of each cell: the body in whose box it lies, open, or followed
 };
 
-MovingRegion region_of(const DepthGrid& grid, const Surface& surface, int object,
-                       double margin_share) {
+MovingRegion region_of(DepthGrid& grid, const Surface& surface, int object, double margin_share) {
   Cell low = surface.cells.front();
   Cell high = low;
-  DepthRange range{grid.at(low.column, low.row), grid.at(low.column, low.row)};
+  DepthRange range{grid.at(low), grid.at(low)};
   for (const Cell& cell : surface.cells) {
     low = {std::min(low.column, cell.column), std::min(low.row, cell.row)};
     high = {std::max(high.column, cell.column), std::max(high.row, cell.row)};
-    const float d = grid.at(cell.column, cell.row);
+    const float d = grid.at(cell);
     range = joined(range, {d, d});
   }
   const auto margin = static_cast<float>(margin_share);
-  const auto px = [&](int cells) { return static_cast<float>(cells * grid.cell_px); };
+  const auto px = [&](int cells) { return static_cast<float>(cells * grid.cell_px()); };
   return {object,
           Rule::connected,
           {px(low.column), px(low.row), px(high.column + 1), px(high.row + 1)},
@@ -144,18 +166,17 @@ std::vector<std::pair<Cell, Cell>> border_of(const CellRect& rect) {
 
 }  // namespace
 
-DepthGrid make_depth_grid(const DepthImage& depth_m, int cell_px) {
-  DepthGrid grid;
-  grid.cell_px = cell_px;
-  grid.columns = depth_m.width() / cell_px;
-  grid.rows = depth_m.height() / cell_px;
-  grid.depth_m.reserve(static_cast<std::size_t>(grid.columns) * grid.rows);
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      grid.depth_m.push_back(cell_reading(depth_m, column * cell_px, row * cell_px, cell_px));
-    }
+float cell_reading(const DepthImage& depth_m, int x0_px, int y0_px, int cell_px) {
+  const int half = cell_px / 2;
+  const int inset = cell_px / 4;
+  const int far = cell_px - 1 - inset;
+  const std::array<Cell, 5> samples = {
+      {{half, half}, {inset, inset}, {far, inset}, {inset, far}, {far, far}}};
+  for (const auto& [dx, dy] : samples) {
+    const float d = depth_m(x0_px + dx, y0_px + dy);
+    if (d > 0.0F && std::isfinite(d)) return d;
   }
-  return grid;
+  return 0.0F;
 }
 
 bool continuous(float a_m, float b_m, double step_share) {
@@ -166,7 +187,7 @@ std::vector<MovingRegion> connected_things(const DepthImage& depth_m,
                                            std::span<const MovingRegion> bodies,
                                            const ConnectedThingOptions& options) {
   if (bodies.empty()) return {};
-  const DepthGrid grid = make_depth_grid(depth_m, options.cell_px);
+  DepthGrid grid(depth_m, options.cell_px);
   std::vector<CellRect> rects;
   for (const MovingRegion& body : bodies) rects.push_back(cells_of(grid, body.box));
   Follower follower(grid, rects, options.step_share);

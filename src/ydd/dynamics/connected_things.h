@@ -11,21 +11,10 @@
 
 namespace ydd {
 
-/// A depth image at a coarse step: one reading for each square cell, 0 where the cell has none.
-struct DepthGrid {
-  int cell_px = 4;
-  int columns = 0;
-  int rows = 0;
-  std::vector<float> depth_m;  ///< row by row
-
-  float at(int column, int row) const { return depth_m[row * columns + column]; }
-  bool contains(int column, int row) const {
-    return column >= 0 && row >= 0 && column < columns && row < rows;
-  }
-};
-
-/// Of each cell the reading at its centre, else the first one found at its four inner corners.
-DepthGrid make_depth_grid(const DepthImage& depth_m, int cell_px);
+/// The reading that stands for the square cell of `cell_px` whose upper left pixel is (x0, y0): at
+/// its centre, else the first found at its four inner corners; 0 when there is none. The cell must
+/// lie inside the image.
+float cell_reading(const DepthImage& depth_m, int x0_px, int y0_px, int cell_px);
 
 /// Whether a surface goes on from one cell to the next: both have a reading, and these differ by
 /// less than `step_share` of the nearer.

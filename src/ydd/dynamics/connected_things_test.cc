@@ -14,15 +14,14 @@ const ConnectedThingOptions kOptions;
 constexpr Box kBox{200, 100, 300, 480};
 const std::vector<MovingRegion> kBodies = {{7, Rule::body_depth, kBox, DepthRange{1.0F, 2.0F}}};
 
-TEST(DepthGrid, OneReadingForEachCell) {
+TEST(CellReading, TheCentreElseACorner) {
   PaintedScene scene(4.0F);
   scene.paint({0, 0, 4, 4}, 0.0F).paint({1, 1, 2, 2}, 1.5F).paint({4, 0, 8, 4}, 0.0F);
-  const DepthGrid grid = make_depth_grid(scene.depth(), 4);
-  EXPECT_EQ(grid.columns, 160);
-  EXPECT_EQ(grid.rows, 120);
-  EXPECT_EQ(grid.at(0, 0), 1.5F);
-  EXPECT_EQ(grid.at(1, 0), 0.0F);
-  EXPECT_EQ(grid.at(2, 0), 4.0F);
+  const DepthImage depth = scene.depth();
+  EXPECT_EQ(cell_reading(depth, 0, 0, 4), 1.5F);
+  EXPECT_EQ(cell_reading(depth, 4, 0, 4), 0.0F);
+  EXPECT_EQ(cell_reading(depth, 8, 0, 4), 4.0F);
+  EXPECT_EQ(cell_reading(depth, 639, 479, 1), 4.0F);
 }
 
 TEST(Continuous, AStepIsAShareOfTheDepth) {

@@ -82,6 +82,8 @@ void RefinementOptions::describe(OptionTable& table) {
   table.add("surround_px", surround_px, {1, 100}, "px", "how far these readings are looked for");
   table.add("surround_axes", surround_axes, {1, 4}, "",
             "of the four axes through the point, how many must end on the moving thing both ways");
+  table.add("unmeasured_edge_px", unmeasured_edge_px, {0, 50}, "px",
+            "edge_radius_px of points without a depth reading of their own");
   table.add("connected", connected, "what sticks out of a body's box moves with it");
   table.group("connected_things", connected_things);
   table.add("bridging", bridging, "persons missed for a few frames are carried on");

@@ -78,6 +78,7 @@ struct RefinementOptions {
   bool surrounded = true;         ///< a point without depth goes when the readings round it go
   int surround_px = 24;           ///< how far these readings are looked for
   int surround_axes = 3;          ///< of four axes through the point, that end on it both ways
+  double unmeasured_edge_px = 3;  ///< the edge radius for points without a reading of their own
   bool connected = true;          ///< what sticks out of a body's box moves with it
   ConnectedThingOptions connected_things;
   bool bridging = true;  ///< persons missed for a few frames are carried on

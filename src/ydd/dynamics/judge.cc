@@ -41,6 +41,8 @@ PointRuleOptions point_rule_options(const DynamicsOptions& options) {
   if (options.parsed_variant() != Variant::full) return result;
   const RefinementOptions refinement = options.refinement.effective();
   result.edge_radius_px = static_cast<float>(options.edge_radius_px);
+  result.unmeasured_edge_px = static_cast<float>(
+      options.refinement.enabled ? refinement.unmeasured_edge_px : options.edge_radius_px);
   result.surround_px = refinement.surrounded ? refinement.surround_px : 0;
   result.surround_axes = refinement.surround_axes;
   return result;

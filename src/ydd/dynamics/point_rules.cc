@@ -12,7 +12,9 @@ namespace {
 struct Direction {
   int dx, dy;
 };
-constexpr std::array<Direction, 4> kAxes = {{{1, 0}, {1, 1}, {0, 1}, {-1, 1}}};
+constexpr int kAxes = 4;
+constexpr std::array<Direction, 2 * kAxes> kDirections = {
+    {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
 /// The first reading from a point outward; 0: none within reach.
 float next_reading(const DepthImage& depth_m, const PointSample& point, const Direction& towards,
@@ -23,6 +25,12 @@ float next_reading(const DepthImage& depth_m, const PointSample& point, const Di
     if (d > 0.0F) return d;
   }
   return 0.0F;
+}
+
+bool in_any_box(std::span<const MovingRegion> regions, const PointSample& point) {
+  return std::any_of(regions.begin(), regions.end(), [&](const MovingRegion& region) {
+    return region.box.contains(point.x_px, point.y_px);
+  });
 }
 
 }  // namespace
@@ -42,18 +50,25 @@ bool at_edge(const MovingRegion& region, const PointSample& point, const DepthIm
          moving(0, radius_px);
 }
 
-bool surrounded_by(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
-                   int reach_px, int axes) {
+Surroundings surroundings_of(const PointSample& point, const DepthImage& depth_m, int reach_px) {
+  Surroundings result{};
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] = next_reading(depth_m, point, kDirections[i], reach_px);
+  }
+  return result;
+}
+
+bool surrounded_by(const MovingRegion& region, const PointSample& point,
+                   const Surroundings& surroundings, int axes) {
   if (!region.range || point.depth_m > 0.0F || !region.box.contains(point.x_px, point.y_px)) {
     return false;
   }
-  const auto moving = [&](const Direction& towards) {
-    const float d = next_reading(depth_m, point, towards, reach_px);
-    return region.range->contains(d);
-  };
-  const auto enclosing = std::count_if(kAxes.begin(), kAxes.end(), [&](const Direction& axis) {
-    return moving(axis) && moving({-axis.dx, -axis.dy});
-  });
+  int enclosing = 0;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const bool both =
+        region.range->contains(surroundings[i]) && region.range->contains(surroundings[i + kAxes]);
+    enclosing += both ? 1 : 0;
+  }
   return enclosing >= axes;
 }
 
@@ -62,16 +77,17 @@ Rule rule_of(const PointSample& point, std::span<const MovingRegion> regions,
   for (const MovingRegion& region : regions) {
     if (in_region(region, point)) return region.rule;
   }
-  if (options.edge_radius_px > 0.0F) {
+  const float radius_px =
+      point.depth_m > 0.0F ? options.edge_radius_px : options.unmeasured_edge_px;
+  if (radius_px > 0.0F) {
     for (const MovingRegion& region : regions) {
-      if (at_edge(region, point, depth_m, options.edge_radius_px)) return Rule::edge;
+      if (at_edge(region, point, depth_m, radius_px)) return Rule::edge;
     }
   }
-  if (options.surround_px > 0) {
+  if (options.surround_px > 0 && point.depth_m <= 0.0F && in_any_box(regions, point)) {
+    const Surroundings around = surroundings_of(point, depth_m, options.surround_px);
     for (const MovingRegion& region : regions) {
-      if (surrounded_by(region, point, depth_m, options.surround_px, options.surround_axes)) {
-        return Rule::surrounded;
-      }
+      if (surrounded_by(region, point, around, options.surround_axes)) return Rule::surrounded;
     }
   }
   return Rule::kept;

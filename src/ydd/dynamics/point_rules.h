@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 
@@ -35,18 +36,23 @@ bool in_region(const MovingRegion& region, const PointSample& point);
 bool at_edge(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
              float radius_px);
 
+/// The next readings from a point outward: right, lower right, below, lower left, and opposite to
+/// these left, upper left, above, upper right; 0: none within reach.
+using Surroundings = std::array<float, 8>;
+Surroundings surroundings_of(const PointSample& point, const DepthImage& depth_m, int reach_px);
+
 /// The point lies in the region's box without a reading, and on at least `axes` of the four axes
-/// through it (horizontal, vertical, two diagonals) the next readings to both sides, at most
-/// `reach_px` steps away, lie in the region's range. Beyond the article: holes on a body, such as
-/// the shadow of an arm. Never for a full rejection.
-bool surrounded_by(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
-                   int reach_px, int axes);
+/// through it the next readings to both sides lie in the region's range. Beyond the article: holes
+/// on a body, such as the shadow of an arm. Never for a full rejection.
+bool surrounded_by(const MovingRegion& region, const PointSample& point,
+                   const Surroundings& surroundings, int axes);
 
 /// What rule_of needs to know besides the regions.
 struct PointRuleOptions {
-  float edge_radius_px = 0;  ///< 0: edges are not asked for
-  int surround_px = 0;       ///< 0: surroundings are not asked for
-  int surround_axes = 4;     ///< of the four, that must be enclosed
+  float edge_radius_px = 0;      ///< 0: edges are not asked for
+  float unmeasured_edge_px = 0;  ///< the same for a point without a reading
+  int surround_px = 0;           ///< 0: surroundings are not asked for
+  int surround_axes = 4;         ///< of the four, that must be enclosed
 };
 
 /// The rule that decides about a point: the first region that contains it, else an edge, else its

@@ -14,6 +14,11 @@ constexpr Box kBox{200, 100, 300, 300};
 const MovingRegion kBody{0, Rule::body_depth, kBox, DepthRange{1.0F, 2.0F}};
 const MovingRegion kWhole{1, Rule::full_entangled, kBox, std::nullopt};
 
+bool surrounded(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
+                int reach_px, int axes) {
+  return surrounded_by(region, point, surroundings_of(point, depth_m, reach_px), axes);
+}
+
 TEST(InRegion, NeedsBoxAndDepth) {
   EXPECT_TRUE(in_region(kBody, {250, 200, 1.5F}));
   EXPECT_FALSE(in_region(kBody, {250, 200, 2.5F}));
@@ -50,33 +55,47 @@ TEST(AtEdge, NeverOfAFullRejection) {
   EXPECT_FALSE(at_edge(kWhole, {302, 200, 4}, depth, 3));
 }
 
+TEST(SurroundingsOf, TheNextReadingInEachDirection) {
+  PaintedScene scene(0.0F);
+  scene.paint({255, 200, 256, 201}, 1)
+      .paint({253, 203, 254, 204}, 2)
+      .paint({250, 206, 251, 207}, 3);
+  scene.paint({248, 202, 249, 203}, 4)
+      .paint({241, 200, 242, 201}, 5)
+      .paint({249, 199, 250, 200}, 6);
+  scene.paint({250, 190, 251, 191}, 7).paint({260, 190, 261, 191}, 8);
+  const Surroundings expected = {1, 2, 3, 4, 5, 6, 7, 8};
+  EXPECT_EQ(surroundings_of({250, 200, 0}, scene.depth(), 10), expected);
+  EXPECT_EQ(surroundings_of({250, 200, 0}, scene.depth(), 9)[7], 0);
+}
+
 TEST(SurroundedBy, AHoleInABodyButNotBesideIt) {
   PaintedScene scene;
   scene.paint(kBox, 1.5F).paint({240, 180, 260, 220}, 0);  // the shadow of an arm
   scene.paint({290, 100, 320, 300}, 0);                    // the shadow beside the body
   const DepthImage depth = scene.depth();
-  EXPECT_TRUE(surrounded_by(kBody, {250, 200, 0}, depth, 24, 3));
-  EXPECT_FALSE(surrounded_by(kBody, {296, 200, 0}, depth, 24, 1));
+  EXPECT_TRUE(surrounded(kBody, {250, 200, 0}, depth, 24, 3));
+  EXPECT_FALSE(surrounded(kBody, {296, 200, 0}, depth, 24, 1));
 }
 
 TEST(SurroundedBy, CountsEnclosedAxes) {
   // A tall slit: the vertical axis ends beyond reach.
   const DepthImage depth = PaintedScene().paint(kBox, 1.5F).paint({245, 100, 255, 300}, 0).depth();
-  EXPECT_TRUE(surrounded_by(kBody, {250, 200, 0}, depth, 24, 3));
-  EXPECT_FALSE(surrounded_by(kBody, {250, 200, 0}, depth, 24, 4));
-  EXPECT_FALSE(surrounded_by(kBody, {250, 200, 0}, depth, 3, 1));
+  EXPECT_TRUE(surrounded(kBody, {250, 200, 0}, depth, 24, 3));
+  EXPECT_FALSE(surrounded(kBody, {250, 200, 0}, depth, 24, 4));
+  EXPECT_FALSE(surrounded(kBody, {250, 200, 0}, depth, 3, 1));
 }
 
 TEST(SurroundedBy, ReadingsBehindDoNotCount) {
   const DepthImage depth = PaintedScene(4.0F).paint({240, 180, 260, 220}, 0).depth();
-  EXPECT_FALSE(surrounded_by(kBody, {250, 200, 0}, depth, 24, 1));
+  EXPECT_FALSE(surrounded(kBody, {250, 200, 0}, depth, 24, 1));
 }
 
 TEST(SurroundedBy, OnlyPointsWithoutDepthInTheBoxOfARange) {
   const DepthImage depth = PaintedScene(1.5F).depth();
-  EXPECT_FALSE(surrounded_by(kBody, {250, 200, 3.0F}, depth, 24, 1));
-  EXPECT_FALSE(surrounded_by(kBody, {350, 200, 0}, depth, 24, 1));
-  EXPECT_FALSE(surrounded_by(kWhole, {250, 200, 0}, depth, 24, 1));
+  EXPECT_FALSE(surrounded(kBody, {250, 200, 3.0F}, depth, 24, 1));
+  EXPECT_FALSE(surrounded(kBody, {350, 200, 0}, depth, 24, 1));
+  EXPECT_FALSE(surrounded(kWhole, {250, 200, 0}, depth, 24, 1));
 }
 
 TEST(RuleOf, RegionsBeforeEdgesBeforeSurroundings) {
@@ -84,7 +103,7 @@ TEST(RuleOf, RegionsBeforeEdgesBeforeSurroundings) {
                                MovingRegion{1, Rule::moved_by_hand, kBox, DepthRange{1.8F, 3.0F}}};
   const DepthImage depth =
       PaintedScene(4.0F).paint({200, 100, 250, 300}, 1.5F).paint({210, 150, 240, 250}, 0).depth();
-  const PointRuleOptions options{3, 24, 3};
+  const PointRuleOptions options{3, 3, 24, 3};
   EXPECT_EQ(rule_of({205, 120, 1.5F}, regions, depth, options), Rule::body_depth);
   EXPECT_EQ(rule_of({205, 120, 1.9F}, regions, depth, options), Rule::body_depth);
   EXPECT_EQ(rule_of({205, 120, 2.5F}, regions, depth, options), Rule::moved_by_hand);
