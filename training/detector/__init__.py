@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A YOLOv5-style detector: model, data, training, export, evaluation."""

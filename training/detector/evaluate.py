@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Precision, recall, AP50 per class, and false alarms: python3 -m detector.evaluate --help
+
+Truth comes from folders of NAME.jpg + NAME.json (as for training), from sequences with
+detections_gt.jsonl, from the teachers, or from eyeballed.json. Unknown regions count neither way."""
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import pathlib
+
+import cv2
+import numpy as np
+
+from .boxes import area, intersections, iou
+from .classes import CLASSES
+from .label_real import frames_of, truth
+from .networks import Found, Teachers, ours
+
+SMALLEST_PX = 10  # of the shorter side at 640 px width; smaller boxes are unknown
+
+
+@dataclasses.dataclass
+class Picture:
+    image: pathlib.Path
+    boxes: np.ndarray  # [n, 5] class, x0, y0, x1, y1 in pixels of the image
+    ignore: np.ndarray
+    classes: tuple[int, ...] = tuple(range(len(CLASSES)))  # that the truth knows
+
+
+def rows(r: list) -> np.ndarray:
+    return np.array(r, float).reshape(-1, 5)
+
+
+def folder(d: pathlib.Path) -> list[Picture]:
+    out = []
+    for f in sorted(d.glob("*.json")):
+        t = json.loads(f.read_text())
+        out.append(_without_tiny(Picture(f.with_suffix(".jpg"), rows(t["boxes"]), rows(t["ignore"])), 400))
+    return out
+
+
+def sequence(d: pathlib.Path, span: str) -> list[Picture]:
+    """A rendered sequence with detections_gt.jsonl; its boxes of under 60 pixels are unknown."""
+    truths = {}
+    for line in (d / "detections_gt.jsonl").read_text().splitlines():
+        t = json.loads(line)
+        truths[pathlib.Path(t["file"]).stem] = t["detections"]
+    out = []
+    for file in frames_of(d, span):
+        keep, ignore = [], []
+        for b in truths[file.stem]:
+            if b["cls"] in CLASSES:
+                (keep if b["pixels"] >= 60 else ignore).append([CLASSES.index(b["cls"]), *b["box"]])
+        out.append(_without_tiny(Picture(file, rows(keep), rows(ignore)), 640))
+    return out
+
+
+def _without_tiny(p: Picture, width: int) -> Picture:
+    side = np.minimum(p.boxes[:, 3] - p.boxes[:, 1], p.boxes[:, 4] - p.boxes[:, 2]) * 640 / width
+    tiny = side < SMALLEST_PX
+    return dataclasses.replace(p, boxes=p.boxes[~tiny], ignore=np.concatenate([p.ignore, p.boxes[tiny]]))
+
+
+def taught(d: pathlib.Path, span: str, models: pathlib.Path, empty: bool) -> list[Picture]:
+    """Real frames with the confident boxes of the teachers."""
+    t, out = Teachers(models), []
+    for file in frames_of(d, span):
+        r = truth(t.detect(cv2.imread(str(file)), 0.12), 0.45, 1.0, empty)
+        known = tuple(c for c in range(len(CLASSES)) if CLASSES[c] != "fan")
+        out.append(_without_tiny(Picture(file, rows(r["boxes"]), rows(r["ignore"]), known), 640))
+    return out
+
+
+def eyeballed(file: pathlib.Path, data: pathlib.Path) -> list[Picture]:
+    t, out = json.loads(file.read_text()), []
+    known = tuple(CLASSES.index(c) for c in t["classes"])
+    for f in t["frames"]:
+        to = lambda bs: rows([[CLASSES.index(b[0]), *b[1:]] for b in bs])
+        out.append(Picture(data / f["file"], to(f["boxes"]), to(f.get("ignore", [])), known))
+    return out
+
+
+@dataclasses.dataclass
+class Tally:
+    scores: list[float] = dataclasses.field(default_factory=list)
+    hits: list[bool] = dataclasses.field(default_factory=list)
+    truths: int = 0
+
+    def add(self, boxes: np.ndarray, scores: np.ndarray, truth_: np.ndarray, ignore: np.ndarray) -> None:
+        self.truths += len(truth_)
+        free, o = np.ones(len(truth_), bool), iou(boxes, truth_)
+        inside = intersections(boxes, ignore) / np.maximum(area(boxes)[:, None], 1e-9)
+        for k in np.argsort(-scores, kind="stable"):
+            q = np.where(free, o[k], 0) if len(truth_) else np.zeros(0)
+            if len(q) and q.max() >= 0.5:
+                free[int(q.argmax())] = False
+                self.scores.append(float(scores[k])), self.hits.append(True)
+            elif not (inside[k] > 0.5).any():
+                self.scores.append(float(scores[k])), self.hits.append(False)
+
+    def at(self, threshold: float) -> tuple[float, float]:
+        """Precision, recall."""
+        s, h = np.array(self.scores), np.array(self.hits, bool)
+        tp = int(h[s >= threshold].sum()) if len(s) else 0
+        n = int((s >= threshold).sum()) if len(s) else 0
+        return tp / n if n else float("nan"), tp / self.truths if self.truths else float("nan")
+
+    def ap(self) -> float:
+        """Area under the precision-recall curve, precision made monotonous."""
+        if not self.truths:
+            return float("nan")
+        h = np.array(self.hits, bool)[np.argsort(-np.array(self.scores), kind="stable")]
+        tp = np.cumsum(h)
+        recall, precision = tp / self.truths, tp / np.arange(1, len(h) + 1)
+        precision = np.maximum.accumulate(precision[::-1])[::-1]
+        return float(np.sum(np.diff(np.concatenate([[0], recall])) * precision)) if len(h) else 0.0
+
+
+def measure(detector: object, pictures: list[Picture], floor: float = 0.02) -> dict[str, Tally]:
+    out = {c: Tally() for c in CLASSES}
+    for p in pictures:
+        found: Found = detector.detect(cv2.imread(str(p.image)), floor)  # type: ignore[attr-defined]
+        for c in p.classes:
+            m = found.classes == c
+            of = lambda b: b[b[:, 0] == c][:, 1:]
+            out[CLASSES[c]].add(found.boxes[m], found.scores[m], of(p.boxes), of(p.ignore))
+    return out
+
+
+def table(results: dict[str, dict[str, Tally]], threshold: float) -> str:
+    head = "| class | boxes | " + " | ".join(f"{n}: precision, recall, AP50" for n in results) + " |"
+    lines = [head, "|" + " --- |" * (2 + len(results))]
+    f = lambda v: "-" if np.isnan(v) else f"{v:.2f}"
+    for c in CLASSES:
+        n = next(iter(results.values()))[c].truths
+        if n:
+            cells = [", ".join(f(v) for v in (*r[c].at(threshold), r[c].ap())) for r in results.values()]
+            lines.append(f"| {c} | {n} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def false_alarms(detector: object, files: list[pathlib.Path], threshold: float) -> dict[str, int]:
+    """Persons, heads and hands on frames without people."""
+    n = dict.fromkeys(("person", "head", "hand"), 0)
+    for f in files:
+        found: Found = detector.detect(cv2.imread(str(f)), threshold)  # type: ignore[attr-defined]
+        for c in n:
+            n[c] += int((found.classes == CLASSES.index(c)).sum())
+    return n
+
+
+def main() -> None:
+    ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    a = ap.add_argument
+    a("model", type=pathlib.Path)
+    a("--models", type=pathlib.Path, required=True, help="folder of the teachers")
+    a("--size", type=int, nargs=2, default=[320, 256])
+    a("--threshold", type=float, default=0.3)
+    a("--folder", type=pathlib.Path, nargs="*", default=[])
+    a("--sequence", nargs="*", default=[], help="DIR=A:B:STEP with exact boxes")
+    a("--taught", nargs="*", default=[], help="DIR=A:B:STEP, truth: confident boxes of the teachers")
+    a("--eyeballed", type=pathlib.Path)
+    a("--data", type=pathlib.Path, help="folder that eyeballed.json refers to")
+    a("--empty", nargs="*", default=[], help="DIR=A:B:STEP without people: false alarms")
+    args = ap.parse_args()
+    cv2.setNumThreads(1)
+    size = (args.size[0], args.size[1])
+    nets = {"ours": ours(args.model, size), "teachers at the same size": Teachers(args.models, size)}
+    part = lambda s: (pathlib.Path(s.split("=")[0]), s.split("=")[1])
+    sets: dict[str, list[Picture]] = {str(d): folder(d) for d in args.folder}
+    sets |= {s: sequence(*part(s)) for s in args.sequence}
+    if args.eyeballed:
+        sets["boxes drawn by eye"] = eyeballed(args.eyeballed, args.data)
+    full = {**nets, "teachers at 640x480": Teachers(args.models)}
+    for name, pictures in sets.items():
+        print(f"\n{name}: {len(pictures)} frames\n" + table({n: measure(d, pictures) for n, d in full.items()}, args.threshold))
+    for s in args.taught:
+        pictures = taught(*part(s), args.models, False)
+        print(f"\n{s}, against the teachers at 640x480: {len(pictures)} frames")
+        print(table({n: measure(d, pictures) for n, d in nets.items()}, args.threshold))
+    for s in args.empty:
+        files = frames_of(*part(s))
+        for n, d in full.items():
+            print(f"{s}: {len(files)} frames without people, {n}: {false_alarms(d, files, args.threshold)}")
+
+
+if __name__ == "__main__":
+    main()
