@@ -26,6 +26,7 @@ struct BenchRequest {
   int runs = 5;
   std::string out;  ///< JSON file; empty: none
   std::vector<std::string> set;
+  std::vector<std::string> against;  ///< of speed: what configuration B sets beyond A
 };
 
 /// The cases of a request: sequences as given, simulated rooms rendered into `scratch`, detections
@@ -41,7 +42,8 @@ Result<std::string> bench_ablation(const BenchRequest& request,
 Result<std::string> bench_dynamics(const BenchRequest& request,
                                    const std::filesystem::path& scratch);
 
-/// Time per frame and stage.
+/// Time per frame and stage, frames dropped and late, memory and energy, flat out and in real
+/// time, each run in a process of its own; with `against` as pairs A B A B.
 Result<std::string> bench_speed(const BenchRequest& request, const std::filesystem::path& scratch);
 
 }  // namespace ydd::app

@@ -43,6 +43,12 @@ void add_bench(CLI::App& parent, Job& job, const std::string& name, const std::s
   command->add_option("--runs", request->runs, "Runs per figure (the median is given)")
       ->check(CLI::Range(1, 100));
   command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
+  if (bench == &bench_speed) {
+    command
+        ->add_option("--against", request->against,
+                     "Compare in pairs with a configuration B that also sets key=value")
+        ->allow_extra_args(false);
+  }
   command->add_option("--out", request->out, "Also write all figures as JSON");
   command->callback([request, bench, &job] {
     job = [request, bench]() -> Result<void> {
@@ -92,7 +98,7 @@ void add_bench_command(CLI::App& app, Job& job) {
       "Examples:\n"
       "  ydd-slam bench ablation samples/office_crowd --simulated 3\n"
       "  ydd-slam bench dynamics samples/office_crowd\n"
-      "  ydd-slam bench speed rgbd_dataset_freiburg1_xyz\n"
+      "  ydd-slam bench speed rgbd_dataset_freiburg1_xyz --against loop.enabled=false\n"
       "  ydd-slam bench loops --seeds 20");
   add_bench(*command, job, "ablation", "ATE and RPE of the variants off, box, person, full",
             &bench_ablation, true);

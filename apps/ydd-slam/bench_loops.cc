@@ -29,13 +29,14 @@ Result<void> add_seed(const World& world, int seed, const SeedRequest& request, 
   WorldOptions options = walk_world(request, seed, world.rooms);
   options.repeated_posters = options.identical_desks = world.look_alike;
   const Simulator simulator(options);
+  const FrameStore frames(simulator);
   Result<SystemOptions> system = system_options(request.set);
   if (!system) return system.error();
   system->deterministic = true;
-  const Result<SimulatedRun> with = run_simulated(simulator, *system);
+  const Result<SimulatedRun> with = frames.run(*system);
   if (!with) return with.error();
   system->loop.enabled = false;
-  const Result<SimulatedRun> without = run_simulated(simulator, *system);
+  const Result<SimulatedRun> without = frames.run(*system);
   if (!without) return without.error();
   for (const CheckedLoop& loop : with->loops) {
     ++out.closed;

@@ -16,8 +16,8 @@ struct SeedRequest {
   std::vector<std::string> sequences;  ///< recordings to add (places)
   int seeds = 20;
   int first_seed = 101;
-  int width_px = 480;  ///< 4:3
-  double fps = 15;
+  int width_px = 320;  ///< 4:3
+  double fps = 10;
   double minutes = 30;  ///< of the walk
   std::string out;      ///< JSON file; empty: none
   std::vector<std::string> set;

@@ -38,29 +38,16 @@ double cpu_ms_of(const FrameReport& report) {
   return report.times.empty() ? 0.0 : report.times.back().cpu_ms;
 }
 
-}  // namespace
-
-int SimulatedRun::lost_frames() const {
-  return static_cast<int>(std::count_if(steps.begin(), steps.end(), [](const SimulatedStep& s) {
-    return s.state == TrackingState::lost;
-  }));
-}
-
-double SimulatedRun::ate_m() const {
-  const Result<AteResult> ate = absolute_trajectory_error(truth, trajectory);
-  return ate ? ate->statistics_m.rmse : -1.0;
-}
-
-Result<SimulatedRun> run_simulated(const Simulator& simulator, const SystemOptions& options,
-                                   const FrameEdit& edit, const StepDone& done) {
+Result<SimulatedRun> run_frames(const Simulator& simulator,
+                                const std::function<SimulatedFrame(int)>& frame_at,
+                                const SystemOptions& options, const StepDone& done) {
   Detections boxes;
   const auto laid_out = std::make_shared<const Detections* const>(&boxes);
   SlamSystem system(simulator.camera(), options, ObjectCatalogue::defaults(),
                     std::make_unique<LaidOutBoxes>(laid_out));
   SimulatedRun run;
   for (int i = 0; i < simulator.frame_count(); ++i) {
-    SimulatedFrame frame = simulator.render(i);
-    if (edit) edit(frame);
+    const SimulatedFrame frame = frame_at(i);
     boxes = boxes_of(frame);
     const Result<FrameReport> report = system.process(frame.frame);
     if (!report) return report.error();
@@ -76,6 +63,38 @@ Result<SimulatedRun> run_simulated(const Simulator& simulator, const SystemOptio
   run.atlas = system.atlas();
   for (const LoopReport& loop : run.reports.loops) run.loops.push_back(check(loop, simulator));
   return run;
+}
+
+}  // namespace
+
+int SimulatedRun::lost_frames() const {
+  return static_cast<int>(std::count_if(steps.begin(), steps.end(), [](const SimulatedStep& s) {
+    return s.state == TrackingState::lost;
+  }));
+}
+
+double SimulatedRun::ate_m() const {
+  const Result<AteResult> ate = absolute_trajectory_error(truth, trajectory);
+  return ate ? ate->statistics_m.rmse : -1.0;
+}
+
+Result<SimulatedRun> run_simulated(const Simulator& simulator, const SystemOptions& options,
+                                   const FrameEdit& edit, const StepDone& done) {
+  const auto frame_at = [&](int i) {
+    SimulatedFrame frame = simulator.render(i);
+    if (edit) edit(frame);
+    return frame;
+  };
+  return run_frames(simulator, frame_at, options, done);
+}
+
+FrameStore::FrameStore(const Simulator& simulator) : simulator_(&simulator) {
+  for (int i = 0; i < simulator.frame_count(); ++i) frames_.push_back(simulator.render(i));
+}
+
+Result<SimulatedRun> FrameStore::run(const SystemOptions& options) const {
+  const auto frame_at = [this](int i) { return frames_[static_cast<std::size_t>(i)]; };
+  return run_frames(*simulator_, frame_at, options, {});
 }
 
 Result<SystemOptions> system_options(const std::vector<std::string>& assignments) {

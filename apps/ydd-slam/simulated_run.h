@@ -47,6 +47,19 @@ using StepDone = std::function<void(int index, const SimulatedStep& step)>;
 Result<SimulatedRun> run_simulated(const Simulator& simulator, const SystemOptions& options,
                                    const FrameEdit& edit = {}, const StepDone& done = {});
 
+/// Renders each frame once, for several runs over the same world. Keeps them all in memory.
+class FrameStore {
+ public:
+  /// `simulator` must outlive the store.
+  explicit FrameStore(const Simulator& simulator);
+  /// As `run_simulated`.
+  Result<SimulatedRun> run(const SystemOptions& options) const;
+
+ private:
+  const Simulator* simulator_;
+  std::vector<SimulatedFrame> frames_;
+};
+
 /// Options of the system with `assignments` ("key=value") set.
 Result<SystemOptions> system_options(const std::vector<std::string>& assignments);
 

@@ -14,8 +14,8 @@ struct LoopReport {
   KeyFrameId current, matched;
   std::int64_t current_frame = 0, matched_frame = 0;
   int inliers = 0;
-  double shift_m = 0;   ///< how far the keyframe had drifted
-  bool welded = false;  ///< two maps became one
+  double shift_m = 0;     ///< how far the keyframe had drifted
+  bool welded = false;    ///< two maps became one
   SE3 T_matched_current;  ///< as measured
 };
 
