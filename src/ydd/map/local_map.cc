@@ -37,6 +37,7 @@ std::vector<int> votes_by_slot(const Atlas& atlas, std::span<const MapPointId> p
 std::vector<Covisible> voters(const Atlas& atlas, std::span<const MapPointId> points) {
   const std::vector<int> votes = votes_by_slot(atlas, points);
   std::vector<Covisible> list;
+  list.reserve(64);
   atlas.keyframes().for_each([&](KeyFrameId id, const KeyFrame&) {
     if (votes[id.slot] > 0) list.push_back({id, votes[id.slot]});
   });
@@ -85,6 +86,10 @@ LocalMap gather_local_map(const Atlas& atlas, std::span<const MapPointId> points
     for (std::size_t k = 0; k < n; ++k) take(keyframe.covisible[k].keyframe);
     take(keyframe.parent);
   }
+  // One allocation instead of a dozen: a keyframe brings some hundred points that are not there
+  // yet.
+  constexpr std::size_t kNewPerKeyframe = 200;
+  local.points.reserve(std::min(atlas.points().size(), kNewPerKeyframe * local.keyframes.size()));
   SlotSet seen_points(atlas.points().slots());
   for (const KeyFrameId id : local.keyframes) append_points(atlas, id, seen_points, local);
   return local;

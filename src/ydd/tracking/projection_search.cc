@@ -8,6 +8,8 @@
 namespace ydd {
 namespace {
 
+constexpr std::size_t kUsualCandidates = 64;  // keypoints in a search window, at most as a rule
+
 constexpr double kMinViewCosine = 0.5;  // a point is searched up to 60 degrees from its mean view
 constexpr double kStraightOnCosine = 0.998;
 
@@ -94,6 +96,7 @@ std::vector<PointMatch> search_last_frame(const Atlas& atlas, const TrackedFrame
   std::vector<PointMatch> matches;
   matches.reserve(from.size());
   std::vector<int> candidates;
+  candidates.reserve(kUsualCandidates);
   LastPoint point;
   for (std::size_t i = 0; i < from.size(); ++i) {
     if (!last_point(atlas, last, T_world_last, i, close_depth_m, point)) continue;
@@ -115,6 +118,7 @@ std::vector<PointMatch> search_last_frame(const Atlas& atlas, const TrackedFrame
   matches = one_per_keypoint(std::move(matches), to.size());
   std::vector<float> turns_rad;
   turns_rad.reserve(matches.size());
+  turns_rad.reserve(matches.size());
   for (const PointMatch& m : matches) {
     turns_rad.push_back(from.keypoints[static_cast<std::size_t>(m.source)].angle_rad -
                         to.keypoints[static_cast<std::size_t>(m.keypoint)].angle_rad);
@@ -134,7 +138,10 @@ LocalSearch search_local_map(const Atlas& atlas, const LocalMap& local, const Tr
     if (atlas.find(id)) taken_slot[id.slot] = 1;
   }
   LocalSearch out;
+  out.visible.reserve(local.points.size());
+  out.matches.reserve(frame.points.size());
   std::vector<int> candidates;
+  candidates.reserve(kUsualCandidates);
   for (int i = 0; i < static_cast<int>(local.points.size()); ++i) {
     const LocalPoint& point = local.points[static_cast<std::size_t>(i)];
     if (point.id.slot < taken_slot.size() && taken_slot[point.id.slot] != 0) continue;

@@ -39,6 +39,7 @@ std::vector<KeyFrameId> recent_keyframes(const Atlas& atlas, KeyFrameId referenc
 /// Median of the depth readings; infinite when there is none.
 double median_depth_m(const Features& features) {
   std::vector<float> depths_m;
+  depths_m.reserve(features.size());
   for (const float depth_m : features.depth_m) {
     if (depth_m > 0) depths_m.push_back(depth_m);
   }
@@ -224,6 +225,7 @@ std::optional<PoseFromMatches> Tracker::pose_by_relocalization(const TrackedFram
 
 bool Tracker::track_local_map(const Atlas& atlas, TrackedFrame& frame, TrackResult& result) {
   std::vector<MapPointId> seen;
+  seen.reserve(frame.points.size());
   for (const MapPointId id : frame.points) {
     if (id.valid()) seen.push_back(id);
   }
@@ -232,7 +234,9 @@ bool Tracker::track_local_map(const Atlas& atlas, TrackedFrame& frame, TrackResu
   result.local_points = static_cast<int>(local.points.size());
   const LocalSearch search =
       search_local_map(atlas, local, frame, options_.local_radius_factor, options_.match);
-  std::vector<PointMatch> matches = search.matches;
+  std::vector<PointMatch> matches;
+  matches.reserve(search.matches.size() + seen.size());
+  matches.assign(search.matches.begin(), search.matches.end());
   for (std::size_t i = 0; i < frame.points.size(); ++i) {
     if (const MapPoint* point = atlas.find(frame.points[i])) {
       matches.push_back({static_cast<int>(i), point->p_world, frame.points[i], 0, 0});
