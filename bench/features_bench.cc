@@ -18,6 +18,7 @@
 #include <benchmark/benchmark.h>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
 
 #include "ydd/features/matching.h"
 #include "ydd/features/orb_blur.h"
@@ -227,6 +228,40 @@ void OpenCvOrb(benchmark::State& state) {
   state.counters["points"] = static_cast<double>(keypoints.size());
 }
 
+/// What following the last frame's points costs instead of extracting new ones: pyramidal
+/// Lucas-Kanade (OpenCV, one thread), pyramids included, and back again, the usual check.
+void LucasKanade(benchmark::State& state) {
+  const auto image = image_of(state);
+  if (!image) return;
+  const GreyImage other = state.range(0) == 0 ? textured_image(1, 4.0) : *image;
+  const auto as_mat = [](const GreyImage& grey) {
+    cv::Mat mat(grey.height(), grey.width(), CV_8UC1);
+    std::copy(grey.data(), grey.data() + mat.total(), mat.data);
+    return mat;
+  };
+  const cv::Mat first = as_mat(*image), second = as_mat(other);
+  std::vector<cv::Point2f> points, moved, back;
+  for (const Keypoint& k :
+       OrbExtractor(OrbOptions{}).extract(*image, static_cast<int>(state.range(1))).keypoints) {
+    points.emplace_back(k.x_px, k.y_px);
+  }
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  std::vector<std::uint8_t> found;
+  std::vector<float> error;
+  const cv::Size window(15, 15);
+  constexpr int kLevels = 3;
+  for (auto _ : state) {
+    std::vector<cv::Mat> pyramid_a, pyramid_b;
+    cv::buildOpticalFlowPyramid(first, pyramid_a, window, kLevels);
+    cv::buildOpticalFlowPyramid(second, pyramid_b, window, kLevels);
+    cv::calcOpticalFlowPyrLK(pyramid_a, pyramid_b, points, moved, found, error, window, kLevels);
+    cv::calcOpticalFlowPyrLK(pyramid_b, pyramid_a, moved, back, found, error, window, kLevels);
+  }
+  cv::setNumThreads(threads);
+  state.counters["points"] = static_cast<double>(points.size());
+}
+
 Features features_of(const GreyImage& image, int count) {
   OrbExtractor extractor(OrbOptions{});
   return with_geometry(extractor.extract(image, count), Camera{}, DepthImage());
@@ -289,6 +324,7 @@ BENCHMARK(Descriptors1000)->Arg(0)->Unit(kUnit);
 BENCHMARK(Extract)->ArgsProduct({{0, 1}, {1000, 2000, 3500}, {1}})->Unit(kUnit);
 BENCHMARK(Extract)->Args({0, 1000, 2})->Args({1, 1000, 2})->Unit(kUnit)->UseRealTime();
 BENCHMARK(OpenCvOrb)->ArgsProduct({{0, 1}, {1000}})->Unit(kUnit);
+BENCHMARK(LucasKanade)->ArgsProduct({{0, 1}, {500, 1000}})->Unit(kUnit);
 BENCHMARK(BuildGrid)->Unit(kUnit);
 BENCHMARK(MatchInWindow)->Arg(7)->Arg(15)->Arg(40)->Unit(kUnit);
 BENCHMARK(MatchAll)->Unit(kUnit);
