@@ -17,8 +17,8 @@ struct PlaceCandidate {
 
 /// The `max_candidates` keyframes most similar to `words` among those that `admit` lets through,
 /// best first, ties to the older. Compares with every keyframe of the snapshot: there is no index
-/// beside the map that culling or a second thread could leave behind, and at 10,000 keyframes a
-/// query still takes milliseconds.
+/// beside the map that culling or a second thread could leave behind. 0.4 ms at 1,000 keyframes,
+/// 14 ms at 10,000 (bench/place_bench.cc).
 std::vector<PlaceCandidate> query_places(const Atlas& atlas, const BagOfWords& words,
                                          const std::function<bool(KeyFrameId)>& admit,
                                          std::size_t max_candidates);

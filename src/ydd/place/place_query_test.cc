@@ -38,6 +38,13 @@ TEST(QueryPlaces, TheSamePlaceComesFirstAndTheFilterHolds) {
   const auto others = query_places(
       atlas, query, [&](KeyFrameId id) { return id != ids[5]; }, 3);
   for (const PlaceCandidate& c : others) EXPECT_NE(c.keyframe, ids[5]);
+  for (const PlaceCandidate& c : all) {
+    EXPECT_NEAR(c.score, similarity(query, *atlas.at(c.keyframe).words), 1e-5);
+  }
+  EXPECT_EQ(query_places(
+                atlas, BagOfWords{}, [](KeyFrameId) { return true; }, 3)[0]
+                .score,
+            0.0);
 }
 
 TEST(DistinctPlaces, NeighboursOfABetterCandidateSayNothingNew) {
