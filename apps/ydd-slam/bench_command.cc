@@ -72,6 +72,7 @@ void add_seed_bench(CLI::App& parent, Job& job, const std::string& name, const s
   command->add_option("--seeds", request->seeds, "How many worlds")->check(CLI::Range(1, 10000));
   command->add_option("--first-seed", request->first_seed, "Seed of the first")
       ->check(CLI::Range(0, 1000000));
+  command->add_option("--only", request->only, "Worlds or accidents with this in their name");
   command->add_option("--width", request->width_px, "Width of the pictures in px, 4:3")
       ->check(CLI::Range(160, 1280));
   command->add_option("--fps", request->fps, "Frames a second")->check(CLI::Range(1.0, 60.0));

@@ -77,6 +77,7 @@ Result<std::string> bench_loops(const SeedRequest& request) {
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
   Json json = Json::array();
   for (const World& world : kWorlds) {
+    if (!is_wanted(request, world.name)) continue;
     LoopFigures f;
     for (int i = 0; i < request.seeds; ++i) {
       if (auto r = add_seed(world, request.first_seed + i, request, f); !r) return r.error();

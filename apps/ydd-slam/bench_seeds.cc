@@ -19,6 +19,10 @@ WorldOptions walk_world(const SeedRequest& request, int seed, int rooms) {
   return world;
 }
 
+bool is_wanted(const SeedRequest& request, const std::string& name) {
+  return name.find(request.only) != std::string::npos;
+}
+
 Result<std::string> table_and_json(std::string table, const nlohmann::ordered_json& json,
                                    const SeedRequest& request) {
   if (!request.out.empty()) {

@@ -19,6 +19,7 @@ struct SeedRequest {
   int width_px = 320;  ///< 4:3
   double fps = 10;
   double minutes = 30;  ///< of the walk
+  std::string only;     ///< worlds or accidents whose name has this in it; empty: all
   std::string out;      ///< JSON file; empty: none
   std::vector<std::string> set;
 };
@@ -29,6 +30,9 @@ WorldOptions walk_world(const SeedRequest& request, int seed, int rooms = 1);
 /// Writes `json` when a file was asked for, and gives the table.
 Result<std::string> table_and_json(std::string table, const nlohmann::ordered_json& json,
                                    const SeedRequest& request);
+
+/// Whether `name` is asked for.
+bool is_wanted(const SeedRequest& request, const std::string& name);
 
 /// Loops closed, false ones, and the trajectory error with and without, over seeds and worlds:
 /// one room, two rooms, and rooms that look alike.

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a camera meets that loses its way: one seed of each of the benches that measure it.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "command_line.h"
+#include "ydd/base/files.h"
+
+namespace ydd::e2e {
+namespace {
+
+using json = nlohmann::json;
+
+json bench(const std::string& what, const std::string& only, const std::string& fps) {
+  const TemporaryFolder folder;
+  const Outcome outcome = ydd_slam({"bench", what, "--seeds", "1", "--first-seed", "301", "--fps",
+                                    fps, "--only", only, "--out", folder / "figures.json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return json::parse(read_file(folder / "figures.json").value());
+}
+
+class Accident : public testing::TestWithParam<const char*> {};
+
+TEST_P(Accident, TheCameraIsFoundAgainWhereItIs) {
+  if (kSanitized) GTEST_SKIP() << "too slow; tracking and mapping run sanitized elsewhere";
+  const json figures = bench("recovery", GetParam(), "15");
+  ASSERT_EQ(figures.size(), 1U);
+  EXPECT_EQ(figures[0].at("found"), 1);
+  EXPECT_EQ(figures[0].at("false_places"), 0);
+  EXPECT_LT(figures[0].at("ate_rmse_m")[0].get<double>(), 0.06);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Accident,
+                         testing::Values("covered", "people", "turned away",
+                                         "kidnapped to a place already seen", "unseen"),
+                         [](const auto& test) { return fmt::format("{}", test.index); });
+
+TEST(LookAlikeRooms, AreNotTakenForEachOther) {
+  if (kSanitized) GTEST_SKIP() << "too slow; tracking and mapping run sanitized elsewhere";
+  const json figures = bench("loops", "two rooms", "8");
+  ASSERT_EQ(figures.size(), 1U);
+  EXPECT_EQ(figures[0].at("false_loops"), 0);
+  EXPECT_GE(figures[0].at("loops"), 1);
+  EXPECT_LT(figures[0].at("ate_rmse_m_with")[0], figures[0].at("ate_rmse_m_without")[0]);
+}
+
+}  // namespace
+}  // namespace ydd::e2e
