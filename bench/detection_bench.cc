@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a detector costs beside its network, and with it.
 //
-//   YDD_MODELS=<folder with weights> ydd_detection_bench
+//   YDD_MODELS=<folder with weights> [YDD_ONNXRUNTIME=<libonnxruntime.so.1>] ydd_detection_bench
 //
 // Without YDD_MODELS only the parts around the network are measured.
 #include <cstdlib>
@@ -17,6 +17,7 @@
 #include "ydd/detection/combined_detector.h"
 #include "ydd/detection/detector_config.h"
 #include "ydd/detection/letterbox.h"
+#include "ydd/detection/network.h"
 #include "ydd/detection/yolo_decode.h"
 
 namespace ydd {
@@ -117,18 +118,59 @@ void suppress_and_merge(benchmark::State& state) {
 }
 BENCHMARK(suppress_and_merge)->Unit(benchmark::kMillisecond);
 
-/// Arguments: input width, height, threads.
-void detect(benchmark::State& state) {
-  if (std::getenv("YDD_MODELS") == nullptr) {
-    state.SkipWithError("set YDD_MODELS to the folder with the network weights");
+bool has_models(benchmark::State& state) {
+  if (std::getenv("YDD_MODELS") != nullptr) return true;
+  state.SkipWithError("set YDD_MODELS to the folder with the network weights");
+  return false;
+}
+
+/// One network on one back end; arguments: input width, height, threads.
+void infer(benchmark::State& state, const char* model, const char* backend, const char* precision) {
+  if (!has_models(state)) return;
+  InferenceOptions options;
+  options.backend = backend;
+  options.precision = precision;
+  options.threads = static_cast<int>(state.range(2));
+  if (const char* library = std::getenv("YDD_ONNXRUNTIME")) options.onnxruntime = library;
+  const auto session =
+      load_network(std::filesystem::path(std::getenv("YDD_MODELS")) / model, options);
+  if (!session) {
+    state.SkipWithError(session.error().message.c_str());
     return;
   }
+  const auto width = static_cast<int>(state.range(0));
+  const auto height = static_cast<int>(state.range(1));
+  const std::vector<float> grey(std::size_t{3} * width * height, 0.5F);
+  for (auto _ : state) {
+    const auto outputs = (*session)->run({{1, 3, height, width}, grey});
+    if (!outputs) state.SkipWithError(outputs.error().message.c_str());
+  }
+}
+
+void sizes(benchmark::internal::Benchmark* bench) {
+  bench->Args({320, 256, 1})->Args({416, 320, 1})->Args({512, 384, 1})->Args({640, 480, 1});
+  bench->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
+}
+
+constexpr const char* kObjects = "yolov5n_coco_anysize.onnx";
+constexpr const char* kPeople = "yolox_n_body_head_hand_anysize.onnx";
+BENCHMARK_CAPTURE(infer, yolov5n / opencv, kObjects, "opencv", "float32")->Apply(sizes);
+BENCHMARK_CAPTURE(infer, yolov5n / onnxruntime, kObjects, "onnxruntime", "float32")->Apply(sizes);
+BENCHMARK_CAPTURE(infer, yolov5n / onednn, kObjects, "onednn", "float32")->Apply(sizes);
+BENCHMARK_CAPTURE(infer, yolov5n / onednn_bf16, kObjects, "onednn", "bfloat16")->Apply(sizes);
+BENCHMARK_CAPTURE(infer, yolox_n / opencv, kPeople, "opencv", "float32")->Apply(sizes);
+BENCHMARK_CAPTURE(infer, yolox_n / onnxruntime, kPeople, "onnxruntime", "float32")->Apply(sizes);
+BENCHMARK_CAPTURE(infer, yolox_n / onednn, kPeople, "onednn", "float32")->Apply(sizes);
+BENCHMARK_CAPTURE(infer, yolox_n / onednn_bf16, kPeople, "onednn", "bfloat16")->Apply(sizes);
+
+/// Both networks and everything around them, as configured. Arguments: input width, height.
+void detect(benchmark::State& state) {
+  if (!has_models(state)) return;
   const std::vector<std::string> set = {
       "networks.*.input.width=" + std::to_string(state.range(0)),
       "networks.*.input.height=" + std::to_string(state.range(1))};
   const auto file = std::filesystem::path(__FILE__).parent_path().parent_path() /
                     "configs/detector/coco_body_head_hand.yaml";
-  cv::setNumThreads(static_cast<int>(state.range(2)));
   const auto detector = make_detector(file, set);
   if (!detector) {
     state.SkipWithError(detector.error().message.c_str());
@@ -142,14 +184,11 @@ void detect(benchmark::State& state) {
   }
 }
 BENCHMARK(detect)
-    ->Args({640, 480, 1})
-    ->Args({640, 480, 2})
-    ->Args({512, 384, 1})
-    ->Args({416, 320, 1})
-    ->Args({320, 256, 1})
-    ->Args({320, 256, 2})
+    ->Args({320, 256})
+    ->Args({416, 320})
+    ->Args({512, 384})
+    ->Args({640, 480})
     ->MeasureProcessCPUTime()
-    ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace

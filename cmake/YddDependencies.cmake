@@ -9,6 +9,7 @@ find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc features2d calib3d vide
 find_package(Ceres REQUIRED)
 include(YddSharedCeres)
 find_package(TBB REQUIRED)
+include(YddOneDnn)
 find_package(CLI11 REQUIRED)
 find_package(SQLite3 REQUIRED)
 # Draws the plots of reports; embedded in the programme.

@@ -96,8 +96,10 @@ TEST_F(DetectorFile, ReadsEveryPartAndWritesItBack) {
       "    model: a.onnx\n"
       "    classes: a.yaml\n"
       "    kind: yolov8\n"
-      "    backend: cuda\n"
-      "    fp16: true\n"
+      "    backend: opencv\n"
+      "    device: cuda\n"
+      "    precision: float16\n"
+      "    threads: 2\n"
       "    input: {width: 320, height: 256, channels: bgr, values: byte}\n"
       "    score_threshold: 0.2\n"
       "    nms_iou: 0.6\n"
@@ -115,8 +117,10 @@ TEST_F(DetectorFile, ReadsEveryPartAndWritesItBack) {
     EXPECT_EQ(a.model, "a.onnx");
     EXPECT_EQ(a.class_table, "a.yaml");
     EXPECT_EQ(a.kind, "yolov8");
-    EXPECT_EQ(a.inference.backend, "cuda");
-    EXPECT_TRUE(a.inference.fp16);
+    EXPECT_EQ(a.inference.backend, "opencv");
+    EXPECT_EQ(a.inference.device, "cuda");
+    EXPECT_EQ(a.inference.precision, "float16");
+    EXPECT_EQ(a.inference.threads, 2);
     EXPECT_EQ(a.input_width_px, 320);
     EXPECT_EQ(a.input_height_px, 256);
     EXPECT_EQ(a.channel_order, "bgr");
@@ -136,14 +140,14 @@ TEST_F(DetectorFile, ReadsEveryPartAndWritesItBack) {
 
 TEST_F(DetectorFile, TheCommandLineWins) {
   const auto file = write("detector.yaml", kNetwork + "  more: {model: m.onnx, classes: c.yaml}\n");
-  const std::vector<std::string> set = {"networks.*.input.width=320", "networks.more.fp16=true",
+  const std::vector<std::string> set = {"networks.*.input.width=320", "networks.more.threads=2",
                                         "merge.enabled=false"};
   const auto config = read_detector_config(file, set);
   ASSERT_TRUE(config.ok()) << config.error().message;
   EXPECT_EQ(config->networks[0].input_width_px, 320);
   EXPECT_EQ(config->networks[1].input_width_px, 320);
-  EXPECT_FALSE(config->networks[0].inference.fp16);
-  EXPECT_TRUE(config->networks[1].inference.fp16);
+  EXPECT_EQ(config->networks[0].inference.threads, 1);
+  EXPECT_EQ(config->networks[1].inference.threads, 2);
   EXPECT_FALSE(config->merge.enabled);
 }
 
@@ -167,7 +171,7 @@ TEST_F(DetectorFile, MistakesInTheFileAreNamedWithTheirLine) {
   EXPECT_THAT(failure_of("networks: {a: ["), HasSubstr("not valid YAML"));
   EXPECT_THAT(failure_of(kNetwork, {"networks.spots.input.width=100"}),
               HasSubstr("input.width is 100 but must be a multiple of 32"));
-  EXPECT_THAT(failure_of(kNetwork, {"networks.none.fp16=true"}),
+  EXPECT_THAT(failure_of(kNetwork, {"networks.none.threads=2"}),
               HasSubstr("--set: unknown option"));
 }
 

@@ -1,98 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/detection/network.h"
 
-#include <algorithm>
-#include <cstddef>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/dnn.hpp>
 
 #include "ydd/base/files.h"
+#include "ydd/base/log.h"
+#include "ydd/detection/network_backends.h"
 
 namespace ydd {
 namespace {
 
-/// OpenCV writes to standard error what it throws as well; the level is process-wide, so it is put
-/// back.
-class QuietOpenCv {
- public:
-  QuietOpenCv() : before_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)) {}
-  ~QuietOpenCv() { cv::utils::logging::setLogLevel(before_); }
-  QuietOpenCv(const QuietOpenCv&) = delete;
-  QuietOpenCv& operator=(const QuietOpenCv&) = delete;
-
- private:
-  cv::utils::logging::LogLevel before_;
-};
-
-/// The reason in one line. `what()` has several, with source paths of OpenCV.
-std::string reason_of(const cv::Exception& e) {
-  std::string reason = e.err.empty() ? "unknown error" : e.err;
-  std::replace(reason.begin(), reason.end(), '\n', ' ');
-  constexpr std::size_t kLongest = 300;
-  if (reason.size() > kLongest) reason = reason.substr(0, kLongest) + "...";
-  return reason;
+/// The quickest that can: docs/adr/0007-inference-back-ends.md. OpenCV's reason is the one that
+/// counts, as it reads most kinds of networks.
+SessionResult make_quickest_session(std::string_view onnx, const InferenceOptions& options) {
+  if (options.device != "cpu") return make_opencv_session(onnx, options);
+  SessionResult quick = make_onednn_session(onnx, options);
+  if (quick) return quick;
+  log::debug("oneDNN does not take this network: {}", quick.error().message);
+  if (options.precision == "bfloat16") return quick.error();
+  if (!options.onnxruntime.empty()) return make_onnxruntime_session(onnx, options);
+  return make_opencv_session(onnx, options);
 }
 
-class OpenCvSession : public InferenceSession {
- public:
-  explicit OpenCvSession(const cv::dnn::Net& net)  // a handle
-      : net_(net), output_names_(net_.getUnconnectedOutLayersNames()) {}
-
-  Result<std::vector<Tensor>> run(const Tensor& input) override {
-    const QuietOpenCv quiet;
-    try {
-      // OpenCV only reads its input, but a Mat cannot say so.
-      net_.setInput(cv::Mat(input.shape, CV_32F, const_cast<float*>(input.values.data())));
-      outputs_.clear();
-      net_.forward(outputs_, output_names_);
-    } catch (const cv::Exception& e) {
-      return Error{
-          fmt::format("cannot take an input of {}: {}", format_shape(input.shape), reason_of(e))};
-    }
-    return views();
+SessionResult make_session(std::string_view onnx, const InferenceOptions& options) {
+  if (options.device != "cpu" && options.backend != "auto" && options.backend != "opencv") {
+    return Error{fmt::format("'device: {}' needs 'backend: opencv'", options.device)};
   }
-
- private:
-  Result<std::vector<Tensor>> views() const {
-    std::vector<Tensor> tensors;
-    for (const cv::Mat& mat : outputs_) {
-      if (mat.type() != CV_32F || !mat.isContinuous()) {
-        return Error{"gives something else than 32-bit floats"};
-      }
-      tensors.push_back(
-          {std::vector<int>(mat.size.p, mat.size.p + mat.dims), {mat.ptr<float>(), mat.total()}});
-    }
-    return tensors;
-  }
-
-  cv::dnn::Net net_;
-  std::vector<cv::String> output_names_;
-  std::vector<cv::Mat> outputs_;  // keeps alive what views() points to
-};
-
-Result<void> choose_backend(cv::dnn::Net& net, const InferenceOptions& options) {
-  if (options.backend == "cpu") {
-    if (options.fp16) return Error{"fp16 needs 'backend: cuda'"};
-    net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
-    net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
-    return {};
-  }
-  const cv::dnn::Target target =
-      options.fp16 ? cv::dnn::DNN_TARGET_CUDA_FP16 : cv::dnn::DNN_TARGET_CUDA;
-  const auto targets = cv::dnn::getAvailableTargets(cv::dnn::DNN_BACKEND_CUDA);
-  if (std::find(targets.begin(), targets.end(), target) == targets.end()) {
-    return Error{fmt::format(
-        "'backend: cuda'{} is not available: this OpenCV was built without CUDA or finds no such "
-        "GPU; use 'backend: cpu'",
-        options.fp16 ? " with fp16" : "")};
-  }
-  net.setPreferableBackend(cv::dnn::DNN_BACKEND_CUDA);
-  net.setPreferableTarget(target);
-  return {};
+  if (options.backend == "onednn") return make_onednn_session(onnx, options);
+  if (options.backend == "onnxruntime") return make_onnxruntime_session(onnx, options);
+  if (options.backend == "opencv") return make_opencv_session(onnx, options);
+  return make_quickest_session(onnx, options);
 }
 
 }  // namespace
@@ -102,9 +42,18 @@ std::string format_shape(const std::vector<int>& shape) {
 }
 
 void InferenceOptions::describe(OptionTable& table) {
-  table.add("backend", backend, {"cpu", "cuda"},
-            "where the network runs; cuda needs an OpenCV that was built with it");
-  table.add("fp16", fp16, "half precision: quicker on a GPU, needs backend cuda");
+  table.add("backend", backend, {"auto", "onednn", "onnxruntime", "opencv"},
+            "library that runs the network; auto: the quickest that can (oneDNN, else ONNX Runtime "
+            "if its library is named, else OpenCV)");
+  table.add("device", device, {"cpu", "cuda"},
+            "cuda needs backend opencv and an OpenCV that was built with it");
+  table.add("precision", precision, {"auto", "float32", "bfloat16", "float16"},
+            "auto: bfloat16 where the processor multiplies matrices of it (AMX), else float32; "
+            "bfloat16 needs backend onednn, float16 device cuda");
+  table.add("threads", threads, {1, 64}, "",
+            "processor cores for one picture; tracking needs the others");
+  table.add("onnxruntime", onnxruntime, {},
+            "shared library of ONNX Runtime (libonnxruntime.so.1); empty: where the system has it");
 }
 
 Result<std::unique_ptr<InferenceSession>> load_network(const std::filesystem::path& onnx_file,
@@ -115,17 +64,9 @@ Result<std::unique_ptr<InferenceSession>> load_network(const std::filesystem::pa
     return Error{fmt::format("{}: {}", onnx_file.string(), reason)};
   };
   if (auto complete = check_onnx(*bytes); !complete) return failure(complete.error().message);
-  const QuietOpenCv quiet;
-  try {
-    cv::dnn::Net net = cv::dnn::readNetFromONNX(bytes->data(), bytes->size());
-    if (net.empty()) return failure("holds no network");
-    if (auto chosen = choose_backend(net, options); !chosen) {
-      return failure(chosen.error().message);
-    }
-    return std::unique_ptr<InferenceSession>(std::make_unique<OpenCvSession>(net));
-  } catch (const cv::Exception& e) {
-    return failure(fmt::format("OpenCV {} cannot load it: {}", CV_VERSION, reason_of(e)));
-  }
+  SessionResult session = make_session(*bytes, options);
+  if (!session) return failure(session.error().message);
+  return session;
 }
 
 }  // namespace ydd

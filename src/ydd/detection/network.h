@@ -13,10 +13,13 @@
 
 namespace ydd {
 
-/// A view of a dense row-major array of floats; whoever made it owns the values.
+/// A view of a dense array of floats; whoever made it owns the values.
 struct Tensor {
   std::vector<int> shape;  ///< outermost first: {batch, channels, height, width}
   std::span<const float> values;
+  /// Values row-major in the order of `shape`; or, with four dimensions, all channels of a pixel
+  /// beside each other: {batch, height, width, channels}, as some libraries compute them.
+  bool channels_last = false;
 };
 
 /// "[1, 8, 60, 80]".
@@ -26,19 +29,22 @@ std::string format_shape(const std::vector<int>& shape);
 class InferenceSession {
  public:
   virtual ~InferenceSession() = default;
-  /// All outputs of the network for `input`. They belong to the session and stay valid until the
-  /// next call. Fails when the network cannot take an input of this shape.
+  /// All outputs of the network for `input` (which is row-major). They belong to the session and
+  /// stay valid until the next call. Fails when the network cannot take an input of this shape.
   virtual Result<std::vector<Tensor>> run(const Tensor& input) = 0;
 };
 
 struct InferenceOptions {
-  std::string backend = "cpu";
-  bool fp16 = false;
+  std::string backend = "auto";
+  std::string device = "cpu";
+  std::string precision = "auto";
+  int threads = 1;
+  std::string onnxruntime{};  ///< shared library
   void describe(OptionTable& table);
 };
 
 /// Loads an ONNX file. The failure is one line that names the file: missing, not ONNX, truncated,
-/// operators that the library does not know, a backend that this machine does not have.
+/// operators that the library does not know, a back end that this machine does not have.
 Result<std::unique_ptr<InferenceSession>> load_network(const std::filesystem::path& onnx_file,
                                                        const InferenceOptions& options);
 

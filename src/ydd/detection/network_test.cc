@@ -64,9 +64,12 @@ TEST_F(NetworkFile, RunsAtAnySize) {
       seen = true;
       const std::size_t plane = std::size_t{4} * (width / 8);
       ASSERT_EQ(t.values.size(), 8 * plane);
-      EXPECT_FLOAT_EQ(t.values[4 * plane], 1.0F);
-      EXPECT_FLOAT_EQ(t.values[5 * plane], 0.0F);
-      EXPECT_FLOAT_EQ(t.values[7 * plane + plane - 1], 1.0F);
+      const auto value = [&](std::size_t channel, std::size_t cell) {
+        return t.values[t.channels_last ? cell * 8 + channel : channel * plane + cell];
+      };
+      EXPECT_NEAR(value(4, 0), 1.0F, 4e-3);
+      EXPECT_NEAR(value(5, 0), 0.0F, 4e-3);
+      EXPECT_NEAR(value(7, plane - 1), 1.0F, 4e-3);
     }
     EXPECT_TRUE(seen);
   }
@@ -115,11 +118,26 @@ TEST_F(NetworkFile, DamageInsideTheGraphAndUnknownOperatorsAreOneLine) {
 }
 
 TEST_F(NetworkFile, ABackendThatIsNotThereIsNamed) {
-  EXPECT_THAT(failure_of(onnx::colour_spotter_model(), {.backend = "cpu", .fp16 = true}),
-              HasSubstr("fp16 needs 'backend: cuda'"));
-  const std::string cuda = failure_of(onnx::colour_spotter_model(), {.backend = "cuda"});
+  const std::string model = onnx::colour_spotter_model();
+  EXPECT_THAT(failure_of(model, {.backend = "opencv", .precision = "float16"}),
+              HasSubstr("float16 needs 'device: cuda'"));
+  EXPECT_THAT(failure_of(model, {.backend = "onednn", .device = "cuda"}),
+              HasSubstr("'device: cuda' needs 'backend: opencv'"));
+  EXPECT_THAT(failure_of(model, {.backend = "onnxruntime", .onnxruntime = "/no/such.so"}),
+              HasSubstr("ONNX Runtime cannot be loaded: /no/such.so"));
+  EXPECT_THAT(failure_of(model, {.backend = "onnxruntime", .onnxruntime = "libm.so.6"}),
+              HasSubstr("is not ONNX Runtime"));
+  const std::string cuda = failure_of(model, {.device = "cuda"});
   if (cuda == "loaded") GTEST_SKIP() << "this OpenCV has CUDA";
-  EXPECT_THAT(cuda, HasSubstr("'backend: cuda' is not available"));
+  EXPECT_THAT(cuda, HasSubstr("'device: cuda' is not available"));
+}
+
+TEST_F(NetworkFile, WhatOneDnnDoesNotKnowGoesToOpenCv) {
+  const std::string model = onnx::single_operator_model("Tanh");
+  const std::string refused = failure_of(model, {.backend = "onednn"});
+  if (refused.find("no oneDNN") != std::string::npos) GTEST_SKIP() << refused;
+  EXPECT_THAT(refused, HasSubstr("oneDNN cannot load it: operator Tanh"));
+  EXPECT_EQ(failure_of(model), "loaded");
 }
 
 }  // namespace

@@ -93,6 +93,111 @@ inline std::string colour_spotter_model() {
                bytes(11, value_info("images", {1, 3, 0, 0})) + outputs);
 }
 
+/// Nodes and weights put together by hand; names of values are those of the nodes that make them.
+class GraphWriter {
+ public:
+  /// Deterministic weights of about unit gain.
+  std::string convolution(const std::string& from, std::uint64_t in, std::uint64_t out,
+                          std::uint64_t kernel, std::uint64_t stride = 1, std::uint64_t group = 1) {
+    const std::string name = next("conv");
+    const std::uint64_t fan_in = in / group * kernel * kernel;
+    std::vector<float> weights(out * fan_in);
+    std::vector<float> bias(out);
+    for (float& w : weights) w = noise() * 1.7F / std::sqrt(static_cast<float>(fan_in));
+    for (float& b : bias) b = 0.2F * noise();
+    const std::uint64_t pad = kernel / 2;
+    nodes_ +=
+        bytes(1, bytes(1, from) + bytes(1, "w" + name) + bytes(1, "b" + name) + bytes(2, name) +
+                     bytes(3, name) + bytes(4, "Conv") + ints("kernel_shape", {kernel, kernel}) +
+                     ints("strides", {stride, stride}) + ints("pads", {pad, pad, pad, pad}) +
+                     integer("group", group));
+    initialisers_ += bytes(5, tensor("w" + name, {out, in / group, kernel, kernel}, weights));
+    initialisers_ += bytes(5, tensor("b" + name, {out}, bias));
+    return name;
+  }
+  std::string node(const std::string& op, const std::vector<std::string>& from,
+                   const std::string& attributes = "") {
+    const std::string name = next(op);
+    std::string inputs;
+    for (const std::string& f : from) inputs += bytes(1, f);
+    nodes_ += bytes(1, inputs + bytes(2, name) + bytes(3, name) + bytes(4, op) + attributes);
+    return name;
+  }
+  std::string silu(const std::string& from) { return node("Mul", {from, node("Sigmoid", {from})}); }
+  std::string constant(const std::vector<float>& values) {
+    const std::string name = next("constant");
+    initialisers_ += bytes(5, tensor(name, {values.size()}, values));
+    return name;
+  }
+  std::string twice(const std::string& from) {
+    return node("Resize", {from, constant({}), constant({1, 1, 2, 2})},
+                text("mode", "nearest") + text("coordinate_transformation_mode", "asymmetric") +
+                    text("nearest_mode", "floor"));
+  }
+  std::string concat(const std::vector<std::string>& from) {
+    return node("Concat", from, integer("axis", 1));
+  }
+  std::string pool(const std::string& from, std::uint64_t kernel) {
+    const std::uint64_t pad = kernel / 2;
+    return node("MaxPool", {from},
+                ints("kernel_shape", {kernel, kernel}) + ints("strides", {1, 1}) +
+                    ints("pads", {pad, pad, pad, pad}));
+  }
+  std::string finish(const std::vector<std::string>& results) const {
+    std::string outputs;
+    for (const std::string& r : results) outputs += bytes(12, value_info(r, {1, 0, 0, 0}));
+    return model(nodes_ + bytes(2, "g") + initialisers_ +
+                 bytes(11, value_info("images", {1, 3, 0, 0})) + outputs);
+  }
+  static std::string integer(std::string_view name, std::uint64_t value) {
+    constexpr std::uint64_t kInt = 2;
+    return bytes(5, bytes(1, name) + number(3, value) + number(20, kInt));
+  }
+  static std::string text(std::string_view name, std::string_view value) {
+    constexpr std::uint64_t kString = 3;
+    return bytes(5, bytes(1, name) + bytes(4, value) + number(20, kString));
+  }
+
+ private:
+  std::string next(const std::string& kind) { return kind + std::to_string(++count_); }
+  float noise() {  // in [-1, 1]
+    state_ = state_ * 1664525U + 1013904223U;
+    return static_cast<float>(state_ >> 8U) / static_cast<float>(1U << 23U) - 1.0F;
+  }
+  std::string nodes_, initialisers_;
+  int count_ = 0;
+  std::uint32_t state_ = 1;
+};
+
+/// Everything that the networks of YOLO detectors are made of, small: strided, grouped and
+/// pointwise convolutions with every activation, a residual, pooling, upsampling, concatenation,
+/// heads for `classes` classes as YOLOX has them.
+inline std::string miniature_yolo_model(std::uint64_t classes = 3) {
+  GraphWriter g;
+  const auto head = [&](const std::string& from, std::uint64_t channels) {
+    const std::string box = g.convolution(from, channels, 4, 1);
+    const std::string objectness = g.node("Sigmoid", {g.convolution(from, channels, 1, 1)});
+    const std::string kinds = g.node("Sigmoid", {g.convolution(from, channels, classes, 1)});
+    return g.concat({box, objectness, kinds});
+  };
+  const std::string stem = g.silu(g.convolution("images", 3, 16, 3, 2));
+  const std::string s4 = g.node("Relu", {g.convolution(stem, 16, 16, 3, 2)});
+  const std::string s8 = g.silu(g.convolution(s4, 16, 32, 3, 2));
+  const std::string narrow = g.silu(g.convolution(s8, 32, 16, 1));
+  const std::string inner =
+      g.silu(g.convolution(g.silu(g.convolution(narrow, 16, 16, 1)), 16, 16, 3));
+  const std::string sum = g.node("Add", {narrow, inner});
+  const std::string joined = g.concat({sum, g.silu(g.convolution(s8, 32, 16, 1))});
+  const std::string deep = g.silu(g.convolution(joined, 32, 32, 3, 1, 32));
+  const std::string s16 = g.node("LeakyRelu", {g.convolution(deep, 32, 24, 3, 2)});
+  const std::string s32 = g.silu(g.convolution(s16, 24, 24, 3, 2));
+  const std::string pooled =
+      g.silu(g.convolution(g.concat({s32, g.pool(s32, 5), g.pool(g.pool(s32, 3), 3)}), 72, 24, 1));
+  const std::string up = g.silu(g.convolution(g.concat({g.twice(pooled), s16}), 48, 24, 3));
+  const std::string gated = g.node("Mul", {up, g.node("Add", {up, s16})});
+  return g.finish({head(g.node("Add", {deep, joined}), 32), head(gated, 24), head(pooled, 24)});
+}
+
 inline void write(const std::filesystem::path& file, const std::string& content) {
   std::ofstream(file, std::ios::binary) << content;
 }

@@ -148,6 +148,30 @@ bool is_finite(const Box& b) {
   return std::isfinite(b.x0) && std::isfinite(b.y0) && std::isfinite(b.x1) && std::isfinite(b.y1);
 }
 
+/// One stride's output: where the value of a channel in a cell is.
+class Head {
+ public:
+  explicit Head(const Tensor& tensor)
+      : values_(tensor.values.data()),
+        cells_(std::size_t(tensor.shape[2]) * tensor.shape[3]),
+        columns_(tensor.shape[3]),
+        cell_step_(tensor.channels_last ? std::size_t(tensor.shape[1]) : 1),
+        channel_step_(tensor.channels_last ? 1 : cells_) {}
+
+  std::size_t cells() const { return cells_; }
+  int columns() const { return columns_; }
+  std::size_t channel_step() const { return channel_step_; }
+  const float* at(std::size_t channel, std::size_t cell) const {
+    return values_ + channel * channel_step_ + cell * cell_step_;
+  }
+
+ private:
+  const float* values_;
+  std::size_t cells_;
+  int columns_;
+  std::size_t cell_step_, channel_step_;
+};
+
 /// Column and row of the cell with this number.
 struct Cell {
   Cell(std::size_t number, int grid_width) {
@@ -222,11 +246,10 @@ void decode_columns(const Tensor& output, const YoloShape& shape, Collector& out
 /// One stride of YOLOv5 (v6 of the network), for the cell (gx, gy) and anchor (aw, ah):
 ///   cx = (2 t0 - 0.5 + gx) s    cy = (2 t1 - 0.5 + gy) s    w = (2 t2)^2 aw    h = (2 t3)^2 ah
 /// with t already through the sigmoid; score = objectness t4 * best class.
-void decode_yolov5_head(const Tensor& head, const YoloShape& shape, std::size_t level, bool logits,
+void decode_yolov5_head(const Head& head, const YoloShape& shape, std::size_t level, bool logits,
                         Collector& out, float score_threshold) {
   const auto stride = static_cast<float>(kStrides[level]);
-  const int grid_width = head.shape[3];
-  const std::size_t plane = std::size_t(head.shape[2]) * head.shape[3];
+  const std::size_t step = head.channel_step();
   const auto probability = [&](float t) { return logits ? sigmoid(t) : t; };
   // Comparing the raw value spares the exponential for nearly all cells. The margin covers the
   // rounding of logit(); add() applies the exact threshold.
@@ -234,17 +257,17 @@ void decode_yolov5_head(const Tensor& head, const YoloShape& shape, std::size_t 
       logits ? logit(std::clamp(score_threshold, 1e-6F, 1.0F - 1e-6F)) - 1e-3F : score_threshold;
   for (std::size_t a = 0; a < kAnchorsPerCell; ++a) {
     const Anchor& anchor = kYolov5Anchors[level][a];
-    const float* t = head.values.data() + a * row_size(shape) * plane;
-    for (std::size_t i = 0; i < plane; ++i) {
-      if (!(t[4 * plane + i] >= least_objectness)) continue;
-      const BestClass best = best_class(t + 5 * plane + i, shape.class_count, plane);
-      const Cell cell(i, grid_width);
-      const float w = 2.0F * probability(t[2 * plane + i]);
-      const float h = 2.0F * probability(t[3 * plane + i]);
-      out.add(centred((2.0F * probability(t[i]) - 0.5F + cell.gx) * stride,
-                      (2.0F * probability(t[plane + i]) - 0.5F + cell.gy) * stride,
+    for (std::size_t i = 0; i < head.cells(); ++i) {
+      const float* t = head.at(a * row_size(shape), i);
+      if (!(t[4 * step] >= least_objectness)) continue;
+      const BestClass best = best_class(t + 5 * step, shape.class_count, step);
+      const Cell cell(i, head.columns());
+      const float w = 2.0F * probability(t[2 * step]);
+      const float h = 2.0F * probability(t[3 * step]);
+      out.add(centred((2.0F * probability(t[0]) - 0.5F + cell.gx) * stride,
+                      (2.0F * probability(t[step]) - 0.5F + cell.gy) * stride,
                       w * w * anchor.width_px, h * h * anchor.height_px),
-              best.index, probability(t[4 * plane + i]) * probability(best.value));
+              best.index, probability(t[4 * step]) * probability(best.value));
     }
   }
 }
@@ -252,19 +275,18 @@ void decode_yolov5_head(const Tensor& head, const YoloShape& shape, std::size_t 
 /// One stride of YOLOX (Ge et al. 2021, anchor free), for the cell (gx, gy):
 ///   cx = (t0 + gx) s    cy = (t1 + gy) s    w = exp(t2) s    h = exp(t3) s
 /// score = objectness t4 * best class, both through the sigmoid in the graph.
-void decode_yolox_head(const Tensor& head, const YoloShape& shape, std::size_t level,
+void decode_yolox_head(const Head& head, const YoloShape& shape, std::size_t level,
                        Collector& out) {
   const auto stride = static_cast<float>(kStrides[level]);
-  const int grid_width = head.shape[3];
-  const std::size_t plane = std::size_t(head.shape[2]) * head.shape[3];
-  const float* t = head.values.data();
-  for (std::size_t i = 0; i < plane; ++i) {
-    const float objectness = t[4 * plane + i];
+  const std::size_t step = head.channel_step();
+  for (std::size_t i = 0; i < head.cells(); ++i) {
+    const float* t = head.at(0, i);
+    const float objectness = t[4 * step];
     if (!out.reaches(objectness)) continue;
-    const BestClass best = best_class(t + 5 * plane + i, shape.class_count, plane);
-    const Cell cell(i, grid_width);
-    out.add(centred((t[i] + cell.gx) * stride, (t[plane + i] + cell.gy) * stride,
-                    std::exp(t[2 * plane + i]) * stride, std::exp(t[3 * plane + i]) * stride),
+    const BestClass best = best_class(t + 5 * step, shape.class_count, step);
+    const Cell cell(i, head.columns());
+    out.add(centred((t[0] + cell.gx) * stride, (t[step] + cell.gy) * stride,
+                    std::exp(t[2 * step]) * stride, std::exp(t[3 * step]) * stride),
             best.index, objectness * best.value);
   }
 }
@@ -329,11 +351,11 @@ std::vector<Candidate> decode_yolo(YoloKind kind, std::span<const Tensor> output
         break;
       case YoloKind::yolov5_heads:
       case YoloKind::yolov5_logits:
-        decode_yolov5_head(output, shape, level, kind == YoloKind::yolov5_logits, out,
+        decode_yolov5_head(Head(output), shape, level, kind == YoloKind::yolov5_logits, out,
                            score_threshold);
         break;
       case YoloKind::yolox_heads:
-        decode_yolox_head(output, shape, level, out);
+        decode_yolox_head(Head(output), shape, level, out);
         break;
     }
   }

@@ -182,6 +182,39 @@ TEST(YoloDecode, AnotherNetworkOrAnotherClassTableIsAnError) {
   EXPECT_THROW(decode_yolo(YoloKind::yolov5, views(heads(kRow)), kShape, 0.3F), std::logic_error);
 }
 
+TEST(YoloDecode, TheOrderOfChannelsInMemoryDoesNotMatter) {
+  for (const auto& [kind, channels] :
+       {std::pair{YoloKind::yolov5_heads, 3 * kRow}, std::pair{YoloKind::yolox_heads, kRow}}) {
+    auto plain = heads(channels);
+    unsigned state = 1;
+    for (Output& output : plain) {
+      for (float& v : output.values)
+        v = static_cast<float>((state = state * 75 % 65537)) / 65537.0F;
+    }
+    auto turned = plain;
+    std::vector<Tensor> views_of_turned;
+    for (std::size_t i = 0; i < plain.size(); ++i) {
+      const std::size_t cells = plain[i].values.size() / static_cast<std::size_t>(channels);
+      for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c) {
+        for (std::size_t cell = 0; cell < cells; ++cell) {
+          turned[i].values[cell * static_cast<std::size_t>(channels) + c] =
+              plain[i].values[c * cells + cell];
+        }
+      }
+      views_of_turned.push_back({turned[i].shape, turned[i].values, true});
+    }
+    const auto expected = decode_yolo(kind, views(plain), kShape, 0.3F);
+    const auto found = decode_yolo(kind, views_of_turned, kShape, 0.3F);
+    ASSERT_GT(expected.size(), 5U);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(found[i].box_input, expected[i].box_input);
+      EXPECT_EQ(found[i].class_index, expected[i].class_index);
+      EXPECT_EQ(found[i].score, expected[i].score);
+    }
+  }
+}
+
 TEST(YoloDecode, KindsHaveNames) {
   for (const std::string& name : yolo_kind_names()) {
     const auto kind = parse_yolo_kind(name);

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "ydd/base/result.h"
+
+namespace ydd {
+
+/// One field of a protobuf message ("Encoding", protobuf.dev): its number and what it holds.
+struct WireField {
+  enum class Kind { number, fixed64, bytes, fixed32 };
+  std::uint64_t id = 0;
+  Kind kind = Kind::number;
+  std::uint64_t number = 0;  ///< of number; of the two fixed kinds the bits
+  std::string_view bytes;    ///< of bytes; a view of what is read
+};
+
+/// Base 128, least significant group first; nothing at the end of `bytes` or beyond 64 bits.
+std::optional<std::uint64_t> take_varint(std::string_view& bytes);
+
+/// Takes the first field off `bytes`. Fails with "truncated: ..." when more bytes are announced
+/// than there are, and with "not an ONNX file" at a kind of field that ONNX does not use.
+Result<WireField> take_field(std::string_view& bytes);
+
+}  // namespace ydd
