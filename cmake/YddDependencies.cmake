@@ -6,6 +6,7 @@ find_package(spdlog REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc features2d calib3d video dnn)
+find_package(OpenCV QUIET OPTIONAL_COMPONENTS videoio)  # of --video alone
 find_package(Ceres REQUIRED)
 include(YddSharedCeres)
 find_package(TBB REQUIRED)

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ydd/base/files.h"
@@ -70,12 +71,11 @@ struct Outcome {
   }
 };
 
-/// Runs `ydd-slam ARGUMENTS...` in `folder` (default: here) and waits for it.
-inline Outcome ydd_slam(std::vector<std::string> arguments, const fs::path& folder = ".") {
+/// Runs a programme with its arguments in `folder` (default: here) and waits for it.
+inline Outcome run_programme(std::vector<std::string> arguments, const fs::path& folder = ".") {
   const TemporaryFolder scratch;
   const std::string out_file = scratch / "out";
   const std::string err_file = scratch / "err";
-  arguments.insert(arguments.begin(), YDD_BINARY);
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
@@ -99,6 +99,12 @@ inline Outcome ydd_slam(std::vector<std::string> arguments, const fs::path& fold
   outcome.out = read_file(out_file).value();
   outcome.err = read_file(err_file).value();
   return outcome;
+}
+
+/// Runs `ydd-slam ARGUMENTS...` in `folder` (default: here) and waits for it.
+inline Outcome ydd_slam(std::vector<std::string> arguments, const fs::path& folder = ".") {
+  arguments.insert(arguments.begin(), YDD_BINARY);
+  return run_programme(std::move(arguments), folder);
 }
 
 }  // namespace ydd::e2e

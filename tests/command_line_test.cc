@@ -108,6 +108,7 @@ const std::vector<Bad>& bad_inputs() {
       bad_run("DetectorAndDetections", {"--detector", "a", "--detections", "b"},
               {"one of the two"}),
       bad_run("MissingCatalogue", {"--objects", "nowhere.yaml"}, {"nowhere.yaml"}),
+      bad_run("VideoOfAnotherKind", {"--video", "seen.avi"}, {"seen.avi", ".mp4"}),
       bad_run("MissingAssociations", {"--associations", "nowhere.txt"}, {"nowhere.txt"}),
       bad_file("ConfigWithUnknownKey", "--config", "c.yaml", "orb:\n  levles: 8\n",
                {"c.yaml:2", "orb.levles"}),
@@ -167,6 +168,21 @@ const std::vector<Bad>& bad_inputs() {
                           "nowhere.yaml", "--out",      folder / "out/d.jsonl"};
        },
        {"nowhere.yaml"}},
+      {"ReportOfNoRun",
+       [](const TemporaryFolder& folder) {
+         return Arguments{"report", folder / "nowhere"};
+       },
+       {"nowhere", "--trajectory"}},
+      {"ReportOfANamelessTrajectory",
+       [](const TemporaryFolder&) {
+         return Arguments{"report", "--trajectory", "peer.tum"};
+       },
+       {"peer.tum", "NAME=FILE"}},
+      {"ReportOfAMissingTrajectory",
+       [](const TemporaryFolder&) {
+         return Arguments{"report", "--trajectory", "peer=nowhere.tum"};
+       },
+       {"nowhere.tum"}},
   };
   return kAll;
 }
@@ -211,6 +227,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Usage{"UnknownFormat", {"run", "x", "--trajectory-format", "xyz"}},
                     Usage{"NoValue", {"run", "x", "--out"}}, Usage{"EvalOfOne", {"eval", "x"}},
                     Usage{"OutOfRange", {"simulate", "x", "--jobs", "-1"}},
+                    Usage{"ReportOfNothing", {"report"}},
+                    Usage{"UnknownLogLevel", {"--log-level", "loud", "options"}},
                     Usage{"NoDetector", {"detect", "x", "--out", "y"}}),
     [](const auto& test) { return test.param.name; });
 
@@ -226,7 +244,7 @@ TEST_P(WrongUsage, ExitsWithTwo) {
 TEST(CommandLine, HelpAndVersionAreNoFailure) {
   const Outcome help = ydd_slam({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* const command : {"run", "eval", "simulate", "detect", "options"}) {
+  for (const char* const command : {"run", "eval", "report", "simulate", "detect", "options"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
     const Outcome own = ydd_slam({command, "--help"});
     EXPECT_EQ(own.exit_code, 0);

@@ -139,7 +139,7 @@ TEST(Run, LeavesAFolderThatTellsEverything) {
 
 TEST(Run, WithoutANameTheFolderIsDatedAndTheLatest) {
   const TemporaryFolder folder;
-  const Outcome outcome = ydd_slam({"run", few_frames(), "--quiet"}, folder.path());
+  const Outcome outcome = ydd_slam({"run", few_frames()}, folder.path());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("tracked 6 of 6 frames"));
   ASSERT_TRUE(fs::is_symlink(folder / "runs/latest"));
@@ -240,6 +240,48 @@ TEST(Run, WritesPicturesAndOtherFormatsWhenAsked) {
                                                                        "000002.png", "000003.png"));
   const std::string kitti = text_of(folder / "a/trajectory.kitti.txt");
   EXPECT_EQ(std::count(kitti.begin(), kitti.end(), '\n'), 4);
+}
+
+TEST(Run, QuietMeansNoWordAndJsonMeansJsonAlone) {
+  const TemporaryFolder folder;
+  const Outcome quiet = ydd_slam({"run", few_frames(), "--out", folder / "a", "--quiet"});
+  ASSERT_EQ(quiet.exit_code, 0) << quiet.err;
+  EXPECT_EQ(quiet.out, "");
+  EXPECT_EQ(quiet.err, "");
+  const Outcome plain = ydd_slam({"run", few_frames(), "--out", folder / "a", "--json"});
+  EXPECT_EQ(json::parse(plain.out), json_of(folder / "a/summary.json"));
+  EXPECT_THAT(plain.err, HasSubstr("info: frame 0: map started"));
+  EXPECT_THAT(plain.err, testing::Not(HasSubstr("\r"))) << "no terminal, no rewriting of lines";
+  const Outcome silent =
+      ydd_slam({"run", few_frames(), "--out", folder / "a", "--json", "--log-level", "error"});
+  EXPECT_EQ(silent.err, "");
+  // Warnings stay.
+  EXPECT_THAT(ydd_slam({"run", with_corrupt_frame(folder), "--out", folder / "a", "--quiet"}).err,
+              HasSubstr("warning: frame 3"));
+}
+
+/// Frames of an MP4 file: the count in its table of sample sizes.
+std::size_t frames_of_mp4(const std::string& bytes) {
+  const auto at = bytes.find("stsz");
+  if (at == std::string::npos || at + 16 > bytes.size()) return 0;
+  std::size_t count = 0;
+  for (std::size_t i = 12; i < 16; ++i) {
+    count = count << 8U | static_cast<unsigned char>(bytes[at + i]);
+  }
+  return count;
+}
+
+TEST(Run, WritesAVideoThatIsWholeOrNotThere) {
+  const TemporaryFolder folder;
+  const fs::path video = folder / "videos/seen.mp4";
+  run(few_frames(), folder / "a", {"--video", video.string()});
+  EXPECT_EQ(frames_of_mp4(text_of(video)), 6U);
+  EXPECT_THAT(names_in(folder / "videos"), testing::ElementsAre("seen.mp4"));
+  // A run that fails leaves neither a video nor a part of one.
+  const Outcome failed = ydd_slam({"run", with_corrupt_frame(folder), "--out", folder / "b",
+                                   "--quiet", "--strict", "--video", folder / "other/seen.mp4"});
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_FALSE(fs::exists(folder / "other"));
 }
 
 TEST(Run, InRealTimeEveryFrameIsProcessedOrCountedAsDropped) {

@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "progress.h"
+#include "terminal.h"
 #include "ydd/base/timing.h"
 #include "ydd/dataset/tum_sequence.h"
 #include "ydd/detection/detector_config.h"
@@ -164,7 +165,7 @@ void add_detect_command(CLI::App& app, Job& job) {
                       "File that pairs colour and depth images");
   command->add_option("--max-difference", request->sequence_options.max_difference_s,
                       "Largest time between paired images in seconds");
-  command->add_flag("--quiet", request->quiet, "No progress");
+  add_quiet(*command, request->quiet);
   command->footer(
       "Models are looked for beside the detector file and in the folder YDD_MODELS.\n"
       "Examples:\n"

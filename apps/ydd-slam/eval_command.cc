@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "run_report.h"
+#include "ydd/base/log.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/evaluation/report.h"
 
@@ -34,6 +35,22 @@ EvaluationOptions options_of(const EvalArguments& arguments) {
   return options;
 }
 
+/// The report beside a run's trajectory, with these figures. What was asked for is the score: a
+/// folder that cannot be written to costs a warning.
+void renew_report(const EvalArguments& arguments, const StampedPoses& groundtruth,
+                  const StampedPoses& trajectory, const Evaluation& evaluation) {
+  const fs::path file = arguments.trajectory;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (file.filename() != "trajectory.tum" || !is_run_folder(folder)) return;
+  RunReportData data = read_run(folder);
+  data.trajectory = trajectory;
+  data.groundtruth = groundtruth;
+  data.evaluation = evaluation;
+  if (auto r = write_run_report(data, folder / "report.html"); !r) {
+    log::warning("{}; the report stays as it was", r.error().message);
+  }
+}
+
 Result<void> run_eval(const EvalArguments& arguments) {
   const Result<StampedPoses> groundtruth = read_tum_trajectory(arguments.groundtruth);
   if (!groundtruth) return groundtruth.error();
@@ -43,10 +60,8 @@ Result<void> run_eval(const EvalArguments& arguments) {
   if (!evaluation) {
     return Error{fmt::format("{}: {}", arguments.trajectory, evaluation.error().message)};
   }
-  if (const fs::path folder = fs::path(arguments.trajectory).parent_path(); is_run_folder(folder)) {
-    if (auto r = write_run_report(folder, *trajectory, *groundtruth, *evaluation); !r) return r;
-  }
   fmt::print("{}", arguments.json ? format_json(*evaluation) : format_table(*evaluation));
+  renew_report(arguments, *groundtruth, *trajectory, *evaluation);
   return {};
 }
 
@@ -75,7 +90,8 @@ void add_eval_command(CLI::App& app, Job& job) {
   command->footer(
       "Examples:\n"
       "  ydd-slam eval fr1_xyz/groundtruth.txt runs/latest/trajectory.tum\n"
-      "  ydd-slam eval groundtruth.txt trajectory.tum --json --rpe-delta 1 --rpe-unit frames");
+      "  ydd-slam eval groundtruth.txt trajectory.tum --json --rpe-delta 1 --rpe-unit frames\n"
+      "In the folder of a run this also renews report.html.");
   command->callback([arguments, &job] {
     const bool whole = arguments->rpe_delta == std::floor(arguments->rpe_delta);
     if (arguments->rpe_unit == "frames" && !whole) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "terminal.h"
 #include "ydd/base/version.h"
 
 namespace {
@@ -27,11 +28,14 @@ int main(int argc, char** argv) {
                "ydd-slam"};
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("ydd-slam ") + ydd::kVersion);
+  app.fallthrough();  // what the programme takes may follow the sub-command
+  ydd::app::add_log_level(app);
   ydd::app::Job job;
   ydd::app::add_run_command(app, job);
   ydd::app::add_bench_command(app, job);
   ydd::app::add_options_command(app, job);
   ydd::app::add_eval_command(app, job);
+  ydd::app::add_report_command(app, job);
   ydd::app::add_detect_command(app, job);
   ydd::app::add_simulate_command(app, job);
   try {

@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "run_job.h"
+#include "terminal.h"
 
 namespace ydd::app {
 namespace {
@@ -43,12 +44,14 @@ void add_result_options(CLI::App& command, RunRequest& request) {
                   "Also write the trajectory as kitti or euroc")
       ->check(CLI::IsMember({"tum", "kitti", "euroc"}));
   command.add_option("--frames", request.pictures,
-                     "Folder for a picture of each frame: boxes, kept and rejected points");
+                     "Folder for a picture of each frame: boxes, kept and rejected points, map");
   command.add_option("--frames-every", request.pictures_every, "Only of every N-th frame")
       ->check(CLI::Range(1, 1000000));
+  command.add_option("--video", request.video, "MP4 file with these pictures as a video");
   command.add_flag("--dump-map", request.dump_map, "Also write the map as text");
-  command.add_flag("--quiet", request.quiet, "No progress");
-  command.add_flag("--json", request.json, "Print the summary as JSON");
+  add_quiet(command, request.quiet);
+  command.add_flag("--json", request.json,
+                   "Print the summary as JSON, and nothing else, on standard output");
 }
 
 Result<void> run_and_tell(const RunRequest& request) {
@@ -58,6 +61,7 @@ Result<void> run_and_tell(const RunRequest& request) {
     fmt::print("{}", outcome->summary_json);
     return {};
   }
+  if (request.quiet) return {};
   fmt::print("tracked {} of {} frames\n", outcome->tracked, outcome->processed);
   fmt::print("results in {}\n", outcome->folder.string());
   if (outcome->groundtruth_file) {
@@ -80,7 +84,8 @@ void add_run_command(CLI::App& app, Job& job) {
       "  ydd-slam run rgbd_dataset_freiburg1_xyz\n"
       "  ydd-slam run my_recording --camera my_camera.yaml --out results\n"
       "  ydd-slam run my_recording --detector configs/detector/coco_body_head_hand.yaml\n"
-      "  ydd-slam run samples/office_crowd --detections samples/office_crowd/detections.jsonl");
+      "  ydd-slam run samples/office_crowd --detections samples/office_crowd/detections.jsonl \\\n"
+      "      --video office.mp4");
   command->callback(
       [request, &job] { job = [request]() -> Result<void> { return run_and_tell(*request); }; });
 }

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <ctime>
 
 #include <fmt/chrono.h>
@@ -23,22 +24,47 @@ void point_latest_at(const fs::path& folder) {
   fs::rename(fresh, link, ignored);
 }
 
+/// Two runs may start within one second.
+fs::path free_name(const fs::path& wanted) {
+  fs::path name = wanted;
+  for (int i = 2; fs::exists(name); ++i) name = fmt::format("{}-{}", wanted.string(), i);
+  return name;
+}
+
 }  // namespace
 
-Result<fs::path> make_run_folder(const std::string& out, const std::string& sequence) {
-  const bool named = !out.empty();
-  const fs::path folder = named
-                              ? fs::path(out)
-                              : fs::path("runs") / fmt::format("{}-{:%Y%m%d-%H%M%S}", sequence,
-                                                               fmt::localtime(std::time(nullptr)));
+NewFolders::~NewFolders() {
+  std::error_code ignored;  // what somebody has put something into stays
+  std::for_each(made_.rbegin(), made_.rend(), [&](const fs::path& p) { fs::remove(p, ignored); });
+}
+
+Result<void> NewFolders::make(const fs::path& folder) {
+  fs::path so_far;
   std::error_code error;
-  fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder)) {
-    return Error{fmt::format("{}: the folder for results cannot be created: {}", folder.string(),
-                             error.message())};
+  for (const fs::path& part : folder) {
+    so_far /= part;
+    if (fs::create_directory(so_far, error)) made_.push_back(so_far);
+    if (error) break;
   }
-  if (!named) point_latest_at(folder);
+  if (!error && fs::is_directory(folder, error)) return {};
+  return Error{fmt::format("{}: the folder for results cannot be created: {}", folder.string(),
+                           error.message())};
+}
+
+Result<RunFolder> RunFolder::make(const std::string& out, const std::string& sequence) {
+  RunFolder folder;
+  folder.named_ = !out.empty();
+  folder.path_ =
+      folder.named_ ? fs::path(out)
+                    : free_name(fs::path("runs") / fmt::format("{}-{:%Y%m%d-%H%M%S}", sequence,
+                                                               fmt::localtime(std::time(nullptr))));
+  if (auto r = folder.new_folders_.make(folder.path_); !r) return r.error();
   return folder;
+}
+
+void RunFolder::keep() {
+  new_folders_.keep();
+  if (!named_) point_latest_at(path_);
 }
 
 }  // namespace ydd::app

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/Core>
+#include <opencv2/core/version.hpp>
 
+#include "moment_files.h"
 #include "progress.h"
 #include "run_folder.h"
 #include "run_job.h"
+#include "run_pictures.h"
 #include "run_report.h"
 #include "ydd/base/files.h"
 #include "ydd/base/log.h"
@@ -15,10 +20,9 @@
 #include "ydd/dataset/tum_sequence.h"
 #include "ydd/detection/detector_config.h"
 #include "ydd/detection/recorded_detections.h"
-#include "ydd/image/encode.h"
 #include "ydd/map/map_dump.h"
 #include "ydd/system/run_recorder.h"
-#include "ydd/viewer/annotate.h"
+#include "ydd/viewer/key_moments.h"
 
 namespace ydd::app {
 namespace {
@@ -95,17 +99,15 @@ Result<std::unique_ptr<Detector>> make_run_detector(const RunRequest& request,
       std::make_unique<RecordedDetector>(std::move(*recording), request.detections));
 }
 
-Result<void> write_picture(const RunRequest& request, const ObjectCatalogue& catalogue,
-                           const RgbdFrame& frame, const FrameReport& report) {
-  if (request.pictures.empty() || report.index % request.pictures_every != 0) return {};
-  return write_png(fs::path(request.pictures) / fmt::format("{:06d}.png", report.index),
-                   annotate(frame, report, catalogue));
-}
-
 std::string state_text(const FrameReport& report, const SlamSystem& system) {
-  return fmt::format("{}  {} keyframes  {} points  {} rejected", to_string(report.track.state),
-                     system.atlas()->keyframes().size(), report.track.inliers,
-                     report.observations->rejected.size());
+  const Observations& seen = *report.observations;
+  const double share = seen.extracted() == 0 ? 0.0
+                                             : 100.0 * static_cast<double>(seen.rejected.size()) /
+                                                   static_cast<double>(seen.extracted());
+  const auto atlas = system.atlas();
+  return fmt::format("{}  {} keyframes  {} points  {:.0f} % rejected",
+                     to_string(report.track.state), atlas->keyframes().size(),
+                     atlas->points().size(), share);
 }
 
 MapSize map_size(const SlamSystem& system) {
@@ -118,20 +120,29 @@ bool overtaken(const Sequence& sequence, std::size_t i, std::size_t end, const P
   return i + 1 < end && pace.is_due(sequence.entry(i + 1).stamp);
 }
 
-/// One frame that could be read: through the system, into the recorder, onto a picture.
-Result<void> feed_frame(const RgbdFrame& frame, const RunRequest& request,
-                        const ObjectCatalogue& catalogue, SlamSystem& system, RunRecorder& recorder,
+/// Who hears of every frame.
+struct Listeners {
+  RunRecorder recorder;
+  KeyMoments moments;
+  std::unique_ptr<RunPictures> pictures;  ///< null: none are asked for
+};
+
+/// One frame that could be read: through the system, to all who listen.
+Result<void> feed_frame(const RgbdFrame& frame, SlamSystem& system, Listeners& listeners,
                         Progress& progress) {
   Result<FrameReport> report = system.process(frame);
   if (!report) return report.error();
-  recorder.add(*report, map_size(system));
+  listeners.recorder.add(*report, map_size(system));
+  listeners.moments.add(frame, *report);
   progress.update(static_cast<std::size_t>(frame.index) + 1, state_text(*report, system));
-  return write_picture(request, catalogue, frame, *report);
+  if (!listeners.pictures) return {};
+  return listeners.pictures->add(frame, *report, system.atlas());
 }
 
 /// Feeds the sequence to the system; the recorder keeps what happened.
 Result<void> feed(const Sequence& sequence, const Camera& camera, const RunRequest& request,
-                  const ObjectCatalogue& catalogue, SlamSystem& system, RunRecorder& recorder) {
+                  SlamSystem& system, Listeners& listeners) {
+  RunRecorder& recorder = listeners.recorder;
   const std::size_t end =
       request.max_frames > 0
           ? std::min(sequence.size(), static_cast<std::size_t>(request.max_frames))
@@ -152,7 +163,7 @@ Result<void> feed(const Sequence& sequence, const Camera& camera, const RunReque
       if (request.strict) return Error{reason};
       log::warning("{}; skipped", reason);
       recorder.add_skipped(static_cast<std::int64_t>(i), frame->error().message);
-    } else if (auto r = feed_frame(**frame, request, catalogue, system, recorder, progress); !r) {
+    } else if (auto r = feed_frame(**frame, system, listeners, progress); !r) {
       return r;
     }
   }
@@ -191,6 +202,31 @@ Result<void> write_results(const fs::path& folder, const RunRequest& request,
   return {};
 }
 
+/// The pictures of key moments, and the page with everything.
+Result<void> write_report(const fs::path& folder, const Sequence& sequence, const Camera& camera,
+                          const ObjectCatalogue& catalogue, const SlamSystem& system,
+                          const KeyMoments& moments) {
+  const auto read_colour = [&](std::int64_t frame) -> Result<ColourImage> {
+    const auto read = sequence.read(static_cast<std::size_t>(frame), camera);
+    if (!read) return read.error();
+    return read->colour;
+  };
+  const auto pictures =
+      moments.draw(catalogue, system.mapping_reports().loops, *system.atlas(), read_colour);
+  if (auto r = write_moments(folder, pictures); !r) return r;
+  RunReportData data = read_run(folder);
+  data.trajectory = system.trajectory();
+  if (const auto& file = sequence.groundtruth_file()) add_groundtruth(*file, data);
+  return write_run_report(data, folder / "report.html");
+}
+
+std::map<std::string, std::string> library_versions() {
+  return {{"Eigen",
+           fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+          {"OpenCV", CV_VERSION},
+          {"compiler", __VERSION__}};
+}
+
 std::string effective_yaml(Configuration configuration) {
   OptionTable table;
   configuration.describe(table);
@@ -210,35 +246,46 @@ Result<RunOutcome> run_sequence(const RunRequest& request) {
   if (!catalogue) return catalogue.error();
   Result<std::unique_ptr<Detector>> detector = make_run_detector(request, *catalogue);
   if (!detector) return detector.error();
-  Result<fs::path> folder = make_run_folder(request.out, sequence->name());
+  Result<RunFolder> folder = RunFolder::make(request.out, sequence->name());
   if (!folder) return folder.error();
-  if (!request.pictures.empty()) {
-    if (auto made = make_run_folder(request.pictures, ""); !made) return made.error();
-  }
+  Listeners listeners;
+  auto pictures = RunPictures::open(request, camera, *catalogue);
+  if (!pictures) return pictures.error();
+  listeners.pictures = *std::move(pictures);
 
   const bool has_detector = *detector != nullptr;
   SlamSystem system(camera, options, *catalogue, std::move(*detector));
-  RunRecorder recorder;
+  const RunRecorder& recorder = listeners.recorder;
   const std::int64_t start_ns = wall_clock_ns();
-  if (auto r = feed(*sequence, camera, request, *catalogue, system, recorder); !r) return r.error();
+  if (auto r = feed(*sequence, camera, request, system, listeners); !r) return r.error();
   const double wall_s = static_cast<double>(wall_clock_ns() - start_ns) * 1e-9;
+  if (listeners.pictures) {
+    if (auto r = listeners.pictures->finish(); !r) return r.error();
+  }
 
-  const RunDescription description{sequence->name(),
-                                   has_detector ? options.dynamics.variant : "off",
-                                   request.detector + request.detections,  // one is empty
-                                   options.deterministic,
-                                   request.realtime,
-                                   options.tracking.relocalization.seed};
+  RunDescription description{sequence->name(),
+                             has_detector ? options.dynamics.variant : "off",
+                             request.detector + request.detections,  // one is empty
+                             options.deterministic,
+                             request.realtime,
+                             options.tracking.relocalization.seed};
+  if (const auto& file = sequence->groundtruth_file()) {
+    description.groundtruth = fs::absolute(*file).lexically_normal().string();
+  }
+  description.versions = library_versions();
   const std::string summary = recorder.summary_json(description, system, wall_s);
-  if (auto r = write_results(*folder, request, effective_yaml(*configuration), system, recorder,
-                             summary);
+  if (auto r = write_results(folder->path(), request, effective_yaml(*configuration), system,
+                             recorder, summary);
       !r) {
     return r.error();
   }
-  if (auto r = write_run_report(*folder, system.trajectory(), sequence->groundtruth_file()); !r) {
+  if (auto r =
+          write_report(folder->path(), *sequence, camera, *catalogue, system, listeners.moments);
+      !r) {
     return r.error();
   }
-  return RunOutcome{*folder,
+  folder->keep();
+  return RunOutcome{folder->path(),
                     summary,
                     recorder.timings_json(system),
                     system.trajectory(),

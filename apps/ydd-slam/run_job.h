@@ -26,6 +26,7 @@ struct RunRequest {
   std::vector<std::string> detector_set;
   std::string objects;   ///< object catalogue; empty: the built-in one
   std::string pictures;  ///< folder for annotated frames; empty: none
+  std::string video;     ///< file for a video of annotated frames; empty: none
   std::string dynamic;
   std::string trajectory_format = "tum";
   SequenceOptions sequence_options;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run_report.h"
 
+#include <utility>
+
 #include <nlohmann/json.hpp>
 
+#include "moment_files.h"
 #include "ydd/base/files.h"
 #include "ydd/base/log.h"
 #include "ydd/evaluation/html_report.h"
@@ -18,49 +21,56 @@ std::string text_of(const fs::path& file) {
   return text ? *std::move(text) : std::string();
 }
 
-/// The sequence's name, or the folder's where no summary tells it.
-std::string title_of(const std::string& summary, const fs::path& folder) {
+/// A text of the summary; nothing where it does not tell it.
+std::optional<std::string> told(const std::string& summary, const char* key) {
   const auto json = nlohmann::json::parse(summary, nullptr, false);
-  return json.is_object() ? json.value("sequence", folder.filename().string())
-                          : folder.filename().string();
+  if (!json.is_object() || !json.contains(key) || !json[key].is_string()) return std::nullopt;
+  return json[key].get<std::string>();
 }
 
 }  // namespace
 
 bool is_run_folder(const fs::path& folder) { return fs::is_regular_file(folder / "summary.json"); }
 
-Result<void> write_run_report(const fs::path& folder, const StampedPoses& trajectory,
-                              const StampedPoses& groundtruth,
-                              const std::optional<Evaluation>& evaluation) {
+std::string sequence_of(const RunReportData& run) {
+  return told(run.summary_json, "sequence").value_or(run.title);
+}
+
+std::optional<fs::path> groundtruth_file_of(const RunReportData& run) {
+  const auto file = told(run.summary_json, "groundtruth");
+  return file && !file->empty() ? std::optional<fs::path>(*file) : std::nullopt;
+}
+
+RunReportData read_run(const fs::path& folder) {
   RunReportData data;
   data.summary_json = text_of(folder / "summary.json");
   data.frames_json = text_of(folder / "frames.json");
   data.timings_json = text_of(folder / "timings.json");
   data.config = text_of(folder / "config.yaml");
-  data.title = title_of(data.summary_json, folder);
-  data.trajectory = trajectory;
-  data.groundtruth = groundtruth;
-  data.evaluation = evaluation;
-  const Result<std::string> html = html_report(data);
-  if (!html) return Error{(folder / "report.html").string() + ": " + html.error().message};
-  return write_file_atomically(folder / "report.html", *html);
+  data.title = told(data.summary_json, "sequence").value_or(folder.filename().string());
+  data.moments = read_moments(folder);
+  return data;
 }
 
-Result<void> write_run_report(const fs::path& folder, const StampedPoses& trajectory,
-                              const std::optional<fs::path>& groundtruth_file) {
-  if (!groundtruth_file) return write_run_report(folder, trajectory, StampedPoses(), std::nullopt);
-  const Result<StampedPoses> groundtruth = read_tum_trajectory(*groundtruth_file);
+void add_groundtruth(const fs::path& file, RunReportData& data) {
+  Result<StampedPoses> groundtruth = read_tum_trajectory(file);
   if (!groundtruth) {
     log::warning("{}; report without ground truth", groundtruth.error().message);
-    return write_run_report(folder, trajectory, StampedPoses(), std::nullopt);
+    return;
   }
-  Result<Evaluation> evaluation = evaluate(*groundtruth, trajectory);
+  Result<Evaluation> evaluation = evaluate(*groundtruth, data.trajectory);
   if (!evaluation) {
-    log::warning("{}: {}; report without errors", groundtruth_file->string(),
-                 evaluation.error().message);
-    return write_run_report(folder, trajectory, StampedPoses(), std::nullopt);
+    log::warning("{}: {}; report without errors", file.string(), evaluation.error().message);
+    return;
   }
-  return write_run_report(folder, trajectory, *groundtruth, *std::move(evaluation));
+  data.groundtruth = *std::move(groundtruth);
+  data.evaluation = *std::move(evaluation);
+}
+
+Result<void> write_run_report(const RunReportData& data, const fs::path& file) {
+  const Result<std::string> html = html_report(data);
+  if (!html) return Error{file.string() + ": " + html.error().message};
+  return write_file_atomically(file, *html);
 }
 
 }  // namespace ydd::app

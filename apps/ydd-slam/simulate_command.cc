@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "progress.h"
+#include "terminal.h"
 #include "ydd/simulation/tum_writer.h"
 
 namespace ydd::app {
@@ -87,7 +88,7 @@ void add_simulate_command(CLI::App& app, Job& job) {
   command->add_option("--jobs", request->jobs, "Frames rendered at the same time; 0: all cores")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
-  command->add_flag("--quiet", request->quiet, "No progress");
+  add_quiet(*command, request->quiet);
   command->footer(
       "Command line beats file beats default; the options used are kept as simulation.yaml.\n"
       "Examples:\n"

@@ -25,11 +25,14 @@ spdlog::level::level_enum to_spdlog(Level level) {
   return spdlog::level::info;
 }
 
+constexpr const char* kPattern = "%^%l%$: %v";
+constexpr const char* kClearLineFirst = "\r\x1b[K%^%l%$: %v";
+
 spdlog::logger& logger() {
   static const std::shared_ptr<spdlog::logger> instance = [] {
     auto made = std::make_shared<spdlog::logger>(
         "ydd", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
-    made->set_pattern("%^%l%$: %v");
+    made->set_pattern(kPattern);
     return made;
   }();
   return *instance;
@@ -40,6 +43,8 @@ spdlog::logger& logger() {
 void set_level(Level level) { logger().set_level(to_spdlog(level)); }
 
 bool enabled(Level level) { return logger().should_log(to_spdlog(level)); }
+
+void set_over_open_line(bool open) { logger().set_pattern(open ? kClearLineFirst : kPattern); }
 
 void write(Level level, std::string_view line) { logger().log(to_spdlog(level), line); }
 

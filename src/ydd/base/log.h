@@ -15,6 +15,8 @@ enum class Level { debug, info, warning, error, off };
 /// Lines below `level` are dropped. Default: info.
 void set_level(Level level);
 bool enabled(Level level);
+/// While a line without its line break stands on the terminal (progress), log lines replace it.
+void set_over_open_line(bool open);
 void write(Level level, std::string_view line);
 
 template <class... Args>

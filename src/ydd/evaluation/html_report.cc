@@ -5,59 +5,18 @@
 #include <cmath>
 #include <span>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "report_assets.inc"
 #include "ydd/base/version.h"
+#include "ydd/evaluation/report_html.h"
 
 namespace ydd {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string joined(std::span<const std::string_view> pieces) {
-  std::string out;
-  for (const std::string_view piece : pieces) out += piece;
-  return out;
-}
-
-/// `text` with every `mark` replaced, in one pass: what was filled in is not looked at again.
-std::string filled(std::string_view text,
-                   std::span<const std::pair<std::string_view, std::string>> marks) {
-  std::string out;
-  while (!text.empty()) {
-    const auto at = text.find('@');
-    out += text.substr(0, at);
-    if (at == std::string_view::npos) break;
-    text.remove_prefix(at);
-    std::string_view taken = text.substr(0, 1), by = taken;
-    for (const auto& [mark, content] : marks) {
-      if (text.starts_with(mark)) std::tie(taken, by) = std::pair(mark, std::string_view(content));
-    }
-    out += by;
-    text.remove_prefix(taken.size());
-  }
-  return out;
-}
-
-std::string replaced(std::string_view text, char what, std::string_view by) {
-  std::string out;
-  for (const char c : text) c == what ? out.append(by) : out.append(1, c);
-  return out;
-}
-
-std::string html_text(std::string_view text) {
-  return replaced(replaced(text, '&', "&amp;"), '<', "&lt;");
-}
-
-/// JSON that no HTML parser mistakes for a tag: outside strings it has no '<' anyway.
-std::string script_text(const Json& json) {
-  return replaced(json.dump(-1, ' ', false, Json::error_handler_t::replace), '<', "\\u003c");
-}
 
 std::string base64(std::string_view bytes) {
   constexpr std::string_view kDigits =
@@ -104,8 +63,9 @@ Json poses_json(std::span<const StampedPose> poses, const Alignment& to_world) {
 Json moments_json(std::span<const KeyMoment> moments) {
   Json out = Json::array();
   for (const KeyMoment& moment : moments) {
-    out.push_back(
-        {{"caption", moment.caption}, {"image", "data:image/jpeg;base64," + base64(moment.jpeg)}});
+    out.push_back({{"caption", moment.caption},
+                   {"wide", moment.wide},
+                   {"image", "data:image/jpeg;base64," + base64(moment.jpeg)}});
   }
   return out;
 }
@@ -123,8 +83,9 @@ void add_evaluation(const std::optional<Evaluation>& evaluation, Json& json) {
                  {"rotation_deg", rounded(evaluation->rpe.rotation_errors_deg)}};
 }
 
-Result<Json> data_json(const RunReportData& data) {
-  Json json = {{"version", kVersion}, {"title", data.title}, {"config", data.config}};
+/// What one run left; its poses are shown where `to_world` puts them.
+Result<Json> run_json(const RunReportData& data, const Alignment& to_world) {
+  Json json = {{"config", data.config}};
   const std::pair<const char*, const std::string&> texts[] = {
       {"summary", data.summary_json}, {"frames", data.frames_json}, {"timings", data.timings_json}};
   for (const auto& [name, text] : texts) {
@@ -132,25 +93,59 @@ Result<Json> data_json(const RunReportData& data) {
     if (json[name].is_discarded()) return Error{fmt::format("{} of the run: not JSON", name)};
   }
   if (json["timings"].is_object()) json["timings"].erase("series");  // the frames hold them
-  json["trajectory"] =
-      poses_json(data.trajectory, data.evaluation ? data.evaluation->ate.alignment : Alignment{});
-  json["truth"] = poses_json(data.groundtruth, {});
-  json["moments"] = moments_json(data.moments);
+  json["trajectory"] = poses_json(data.trajectory, to_world);
   add_evaluation(data.evaluation, json);
   return json;
+}
+
+/// Pages are UTF-8 whatever the run's files hold.
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// Where a run is shown: aligned to the truth, else to the first run, else as it is.
+Alignment place_of(const RunReportData& run, const RunReportData& first) {
+  if (run.evaluation) return run.evaluation->ate.alignment;
+  if (&run == &first) return {};
+  const Result<AteResult> to_first = absolute_trajectory_error(first.trajectory, run.trajectory);
+  if (!to_first) return {};
+  // What the first one is aligned to, this one is as well.
+  Alignment out = to_first->alignment;
+  if (first.evaluation) {
+    const Alignment& outer = first.evaluation->ate.alignment;
+    out.T_target_source = SE3(outer.T_target_source.rotation() * out.T_target_source.rotation(),
+                              outer * out.T_target_source.translation());
+    out.scale *= outer.scale;
+  }
+  return out;
 }
 
 }  // namespace
 
 Result<std::string> html_report(const RunReportData& data) {
-  const Result<Json> json = data_json(data);
+  Result<Json> json =
+      run_json(data, data.evaluation ? data.evaluation->ate.alignment : Alignment{});
   if (!json) return json.error();
-  const std::pair<std::string_view, std::string> marks[] = {
-      {"@TITLE@", html_text(data.title)},   {"@LIBRARY_CSS@", joined(kLibraryCss)},
-      {"@LIBRARY_JS@", joined(kLibraryJs)}, {"@PAGE_JS@", joined(kPageJs)},
-      {"@DATA@", script_text(*json)},
-  };
-  return filled(joined(kTemplate), marks);
+  (*json)["version"] = kVersion;
+  (*json)["title"] = data.title;
+  (*json)["truth"] = poses_json(data.groundtruth, {});
+  (*json)["moments"] = moments_json(data.moments);
+  return report_html(data.title, text_of(*json), ReportPage::one_run);
+}
+
+Result<std::string> comparison_report(const std::string& title, const StampedPoses& groundtruth,
+                                      std::span<const RunReportData> runs) {
+  Json json = {{"version", kVersion},
+               {"title", title},
+               {"truth", poses_json(groundtruth, {})},
+               {"runs", Json::array()}};
+  for (const RunReportData& run : runs) {
+    Result<Json> one = run_json(run, place_of(run, runs.front()));
+    if (!one) return Error{run.title + ": " + one.error().message};
+    (*one)["name"] = run.title;
+    json["runs"].push_back(*std::move(one));
+  }
+  return report_html(title, text_of(json), ReportPage::comparison);
 }
 
 }  // namespace ydd

@@ -59,7 +59,8 @@ TEST(HtmlReport, HoldsPageLibraryAndLicence) {
   EXPECT_THAT(html, HasSubstr("prefers-color-scheme: dark"));
   EXPECT_THAT(html, HasSubstr("MIT licence"));
   EXPECT_GT(html.size(), 100'000U);
-  for (const char* mark : {"@TITLE@", "@LIBRARY_JS@", "@LIBRARY_CSS@", "@PAGE_JS@"}) {
+  for (const char* mark :
+       {"@TITLE@", "@LIBRARY_JS@", "@LIBRARY_CSS@", "@COMMON_JS@", "@PAGE_JS@"}) {
     EXPECT_THAT(html, Not(HasSubstr(mark)));
   }
 }
@@ -104,12 +105,52 @@ TEST(HtmlReport, EstimateIsShownWhereTheAlignmentPutsIt) {
 
 TEST(HtmlReport, PicturesAreInside) {
   RunReportData data = sample();
-  data.moments = {{"loop", "Man"}, {"lost", "M"}, {"relocalised", "Ma"}};
+  data.moments = {{"loop", "Man", true}, {"lost", "M"}, {"relocalised", "Ma"}};
   const json moments = data_of(html_report(data).value()).at("moments");
   EXPECT_EQ(moments.at(0).at("image"), "data:image/jpeg;base64,TWFu");
   EXPECT_EQ(moments.at(1).at("image"), "data:image/jpeg;base64,TQ==");
   EXPECT_EQ(moments.at(2).at("image"), "data:image/jpeg;base64,TWE=");
   EXPECT_EQ(moments.at(2).at("caption"), "relocalised");
+  EXPECT_EQ(moments.at(0).at("wide"), true);
+  EXPECT_EQ(moments.at(2).at("wide"), false);
+}
+
+/// A run with errors against `path(30, 5.0)`, and a peer that never saw its beginning.
+std::vector<RunReportData> two_runs(const StampedPoses& truth) {
+  RunReportData run = sample();
+  run.evaluation = evaluate(truth, run.trajectory).value();
+  RunReportData peer;
+  peer.title = "peer";
+  peer.trajectory = path(30, -2.0);
+  return {run, peer};
+}
+
+TEST(ComparisonReport, PutsEveryRunWhereItsAlignmentPutsIt) {
+  const StampedPoses truth = path(30, 5.0);
+  const std::string html = comparison_report("busy <room>", truth, two_runs(truth)).value();
+  EXPECT_THAT(html, HasSubstr("<title>busy &lt;room></title>"));
+  EXPECT_THAT(html, HasSubstr("Settings that differ"));
+  const json data = data_of(html);
+  ASSERT_EQ(data.at("runs").size(), 2U);
+  EXPECT_EQ(data.at("runs").at(0).at("name"), "office <b>&");
+  EXPECT_EQ(data.at("runs").at(0).at("pairs").size(), 30U);
+  EXPECT_TRUE(data.at("runs").at(1).at("pairs").empty());
+  // The peer has no errors of its own and follows the first run to where the truth is.
+  for (const std::size_t run : {0U, 1U}) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(data.at("runs").at(run).at("trajectory").at("xyz").at(7).at(k),
+                  data.at("truth").at("xyz").at(7).at(k).get<double>(), 2e-4);
+    }
+  }
+}
+
+TEST(ComparisonReport, NamesTheRunThatIsBroken) {
+  const StampedPoses truth = path(30, 5.0);
+  auto runs = two_runs(truth);
+  runs[1].frames_json = "[";
+  const auto html = comparison_report("x", truth, runs);
+  ASSERT_FALSE(html);
+  EXPECT_EQ(html.error().message, "peer: frames of the run: not JSON");
 }
 
 TEST(HtmlReport, BrokenJsonIsNamed) {

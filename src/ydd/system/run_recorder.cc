@@ -137,6 +137,8 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"deterministic", run.deterministic},
       {"realtime", run.realtime},
       {"seed", run.seed},
+      {"groundtruth", run.groundtruth},
+      {"versions", run.versions},
       {"frames_in", frames_in},
       {"frames_processed", processed_},
       {"frames_dropped", dropped_},

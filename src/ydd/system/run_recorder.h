@@ -18,6 +18,8 @@ struct RunDescription {
   bool deterministic = false;
   bool realtime = false;
   int seed = 0;
+  std::string groundtruth = {};                      ///< file; empty: the sequence has none
+  std::map<std::string, std::string> versions = {};  ///< of what the programme is made of, by name
 };
 
 /// How large the map was when a frame had been tracked.

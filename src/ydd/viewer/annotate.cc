@@ -54,6 +54,26 @@ void draw_legend(cv::Mat& canvas, const FrameReport& report) {
   }
 }
 
+std::string state_line(const FrameReport& report, double frames_per_second) {
+  std::string line = fmt::format(
+      "frame {}  {}  {} map points  kept {} of {}", report.index, to_string(report.track.state),
+      report.track.inliers, report.observations->features.size(), report.observations->extracted());
+  if (frames_per_second > 0) line += fmt::format("  {:.1f} fps", frames_per_second);
+  return line;
+}
+
+/// Into the top right corner, below the line of state, with a thin frame.
+void draw_map(cv::Mat& canvas, const ColourImage& map) {
+  constexpr int kMargin_px = 8, kTop_px = 24;
+  const cv::Rect at(canvas.cols - map.width() - kMargin_px, kTop_px, map.width(), map.height());
+  if (map.empty() || (at & cv::Rect({0, 0}, canvas.size())) != at) return;
+  const cv::Mat inset(map.height(), map.width(), CV_8UC3,
+                      const_cast<Bgr*>(map.data()));  // NOLINT(*-const-cast): read only
+  cv::Mat corner = canvas(at);
+  cv::addWeighted(inset, 0.85, corner, 0.15, 0, corner);
+  cv::rectangle(canvas, at, {200, 200, 200}, 1);
+}
+
 }  // namespace
 
 Bgr colour_of(Rule rule) {
@@ -79,18 +99,15 @@ Bgr colour_of(Rule rule) {
 }
 
 ColourImage annotate(const RgbdFrame& frame, const FrameReport& report,
-                     const ObjectCatalogue& catalogue) {
+                     const ObjectCatalogue& catalogue, const AnnotateExtras& extras) {
   const ColourImage boxes = draw_detections(frame.colour, report.detections, catalogue);
   std::vector<Bgr> pixels(boxes.data(), boxes.data() + std::size_t(boxes.width()) * boxes.height());
   cv::Mat canvas(boxes.height(), boxes.width(), CV_8UC3, pixels.data());
   draw_rejected(canvas, report);
   draw_kept(canvas, report);
+  draw_map(canvas, extras.map);
   draw_legend(canvas, report);
-  draw_text(canvas,
-            fmt::format("frame {}  {}  {} map points  kept {} of {}", report.index,
-                        to_string(report.track.state), report.track.inliers,
-                        report.observations->features.size(), report.observations->extracted()),
-            {8, 16}, {255, 255, 255});
+  draw_text(canvas, state_line(report, extras.frames_per_second), {8, 16}, {255, 255, 255});
   return {boxes.width(), boxes.height(), std::move(pixels)};
 }
 

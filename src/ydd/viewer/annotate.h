@@ -11,9 +11,15 @@ namespace ydd {
 /// green, others dark green.
 Bgr colour_of(Rule rule);
 
+/// What a picture may show besides its frame.
+struct AnnotateExtras {
+  double frames_per_second = 0;  ///< of the run at that moment; 0: not shown
+  ColourImage map;               ///< drawn into the top right corner; may be empty
+};
+
 /// The frame's picture with boxes by category, person centres, kept points, rejected points in the
 /// colour of their rule (a legend names those that occur), and a line of state.
 ColourImage annotate(const RgbdFrame& frame, const FrameReport& report,
-                     const ObjectCatalogue& catalogue);
+                     const ObjectCatalogue& catalogue, const AnnotateExtras& extras = {});
 
 }  // namespace ydd

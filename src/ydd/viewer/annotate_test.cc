@@ -94,6 +94,18 @@ TEST(Annotate, ALegendNamesTheRulesThatOccur) {
   EXPECT_EQ(two(10, 240 - 26), colour_of(Rule::body_depth));
 }
 
+TEST(Annotate, TheMapGoesIntoACornerIfItFits) {
+  Scene scene;
+  scene.draw();
+  const ColourImage map(60, 40, std::vector<Bgr>(60U * 40U, Bgr{200, 0, 0}));
+  const auto catalogue = ObjectCatalogue::defaults();
+  const ColourImage with = annotate(scene.frame, scene.report, catalogue, {0, map});
+  EXPECT_GT(with(320 - 38, 44)[0], 150);
+  EXPECT_EQ(with(320 - 75, 44), kBlack);
+  const ColourImage large(400, 40, std::vector<Bgr>(400U * 40U, Bgr{200, 0, 0}));
+  EXPECT_EQ(annotate(scene.frame, scene.report, catalogue, {0, large})(282, 44), kBlack);
+}
+
 TEST(Annotate, ShowsBoxesAndLeavesTheFrameAlone) {
   Scene scene;
   scene.report.detections = {{"person", 0.9F, {200, 80, 260, 160}}};

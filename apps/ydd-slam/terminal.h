@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace ydd::app {
+
+/// Adds --log-level to the programme: how much is told on standard error.
+void add_log_level(CLI::App& app);
+
+/// Adds --quiet: no progress, and no log lines but warnings, unless --log-level says otherwise.
+void add_quiet(CLI::App& command, bool& quiet);
+
+}  // namespace ydd::app
