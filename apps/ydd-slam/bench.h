@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ydd/base/result.h"
+#include "ydd/dynamics/point_quality.h"
 
 namespace ydd::app {
 
@@ -41,6 +42,27 @@ Result<std::string> bench_ablation(const BenchRequest& request,
 /// Recall and precision of the rejected points of every variant against the moving masks.
 Result<std::string> bench_dynamics(const BenchRequest& request,
                                    const std::filesystem::path& scratch);
+
+/// Point decisions over a sequence.
+struct VariantResult {
+  PointQuality quality;
+  std::vector<double> judge_ms, extract_ms;
+};
+
+/// Judges the points of a sequence that has a folder `mask`. With a latency above 0 the boxes come
+/// from a detector that needs so many frames, and are carried on meanwhile.
+Result<VariantResult> judge_sequence(const BenchCase& bench_case, const std::string& variant,
+                                     const std::vector<std::string>& set, int latency_frames);
+
+/// ATE of a sequence against its ground truth, in metres, per run that could be scored.
+Result<std::vector<double>> ate_of_runs(const BenchCase& bench_case, const BenchRequest& request,
+                                        const std::vector<std::string>& set,
+                                        const std::filesystem::path& scratch);
+
+/// What asynchronous detection costs: ATE, recall and precision of point decisions for boxes of
+/// every frame and for a detector that needs 1, 2, 4, 8 frames.
+Result<std::string> bench_detection(const BenchRequest& request,
+                                    const std::filesystem::path& scratch);
 
 /// Time per frame and stage, frames dropped and late, memory and energy, flat out and in real
 /// time, each run in a process of its own; with `against` as pairs A B A B.

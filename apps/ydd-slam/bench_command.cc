@@ -99,12 +99,16 @@ void add_bench_command(CLI::App& app, Job& job) {
       "Examples:\n"
       "  ydd-slam bench ablation samples/office_crowd --simulated 3\n"
       "  ydd-slam bench dynamics samples/office_crowd\n"
+      "  ydd-slam bench detection samples/office_crowd --runs 3\n"
       "  ydd-slam bench speed rgbd_dataset_freiburg1_xyz --against loop.enabled=false\n"
       "  ydd-slam bench loops --seeds 20");
   add_bench(*command, job, "ablation", "ATE and RPE of the variants off, box, person, full",
             &bench_ablation, true);
   add_bench(*command, job, "dynamics", "Recall and precision of rejected points per variant",
             &bench_dynamics, true);
+  add_bench(*command, job, "detection",
+            "What asynchronous detection costs: ATE and point decisions by latency",
+            &bench_detection, true);
   add_bench(*command, job, "speed", "Time per frame and stage", &bench_speed, false);
   add_seed_bench(*command, job, "loops",
                  "Simulated walks: loops closed, false ones, what they gain", &bench_loops);

@@ -7,22 +7,18 @@
 #include "ydd/base/timing.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/dataset/frame_source.h"
+#include "ydd/detection/box_carrier.h"
 #include "ydd/detection/recorded_detections.h"
 #include "ydd/dynamics/judge.h"
-#include "ydd/dynamics/point_quality.h"
 #include "ydd/features/orb_extractor.h"
 #include "ydd/image/decode.h"
+#include "ydd/system/system_options.h"
 
 namespace ydd::app {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-struct VariantResult {
-  PointQuality quality;
-  std::vector<double> judge_ms, extract_ms;
-};
 
 /// The mask beside a colour image: instance of what moves at every pixel.
 Result<GreyImage> load_mask(const Sequence& sequence, std::size_t i) {
@@ -46,22 +42,54 @@ std::vector<Box> person_boxes(const Detections& detections) {
   return boxes;
 }
 
+/// Boxes as a detector gives them that is so many frames late.
+class LateBoxes {
+ public:
+  LateBoxes(RecordedDetector detector, const DetectOptions& options, int latency_frames)
+      : detector_(std::move(detector)), carrier_(options.carry), latency_(latency_frames) {}
+
+  Result<Detections> next(const RgbdFrame& frame) {
+    if (latency_ == 0) return detector_.detect(frame);
+    carrier_.advance(frame);
+    if (asked_ < 0 || frame.index - asked_ >= latency_) {
+      const RgbdFrame& seen = asked_ < 0 ? frame : asked_frame_;
+      Result<Detections> found = detector_.detect(seen);
+      if (!found) return found;
+      carrier_.take(seen.index, *found);
+      asked_ = frame.index;
+      asked_frame_ = frame;
+    }
+    return carrier_.now();
+  }
+
+ private:
+  RecordedDetector detector_;
+  BoxCarrier carrier_;
+  int latency_;
+  std::int64_t asked_ = -1;
+  RgbdFrame asked_frame_;
+};
+
+}  // namespace
+
 Result<VariantResult> judge_sequence(const BenchCase& bench_case, const std::string& variant,
-                                     const std::vector<std::string>& set) {
+                                     const std::vector<std::string>& set, int latency_frames) {
   Result<Sequence> sequence = Sequence::open(bench_case.folder);
   if (!sequence) return sequence.error();
   const Result<Camera> camera = find_camera(bench_case.folder);
   if (!camera) return camera.error();
   Result<DetectionRecording> recording = DetectionRecording::read(bench_case.detections);
   if (!recording) return recording.error();
-  RecordedDetector detector(std::move(*recording), bench_case.detections.string());
-  DynamicsOptions options;
+  SystemOptions all;
+  DynamicsOptions& options = all.dynamics;
   OptionTable options_table;
-  options_table.group("dynamics", options);
+  all.describe(options_table);
   for (const std::string& assignment : set) {
     if (auto r = options_table.set_assignment(assignment, "--set"); !r) return r.error();
   }
   options.variant = variant;
+  LateBoxes boxes({std::move(*recording), bench_case.detections.string()}, all.detect,
+                  latency_frames);
   DynamicsJudge judge(options, ObjectCatalogue::defaults());
   OrbExtractor extractor{OrbOptions()};
   VariantResult result;
@@ -70,7 +98,7 @@ Result<VariantResult> judge_sequence(const BenchCase& bench_case, const std::str
     if (!*frame) return frame->error();
     const Result<GreyImage> mask = load_mask(*sequence, i);
     if (!mask) return mask.error();
-    const Result<Detections> detections = detector.detect(**frame);
+    const Result<Detections> detections = boxes.next(**frame);
     if (!detections) return detections.error();
     StageTimes times;
     StageTimer extract_timer(times, "extract");
@@ -88,8 +116,6 @@ Result<VariantResult> judge_sequence(const BenchCase& bench_case, const std::str
   return result;
 }
 
-}  // namespace
-
 Result<std::string> bench_dynamics(const BenchRequest& request, const fs::path& scratch) {
   const Result<std::vector<BenchCase>> cases = prepare_cases(request, scratch);
   if (!cases) return cases.error();
@@ -100,7 +126,7 @@ Result<std::string> bench_dynamics(const BenchRequest& request, const fs::path& 
   Json json = Json::array();
   for (const BenchCase& bench_case : *cases) {
     for (const char* variant : {"box", "person", "full"}) {
-      const Result<VariantResult> result = judge_sequence(bench_case, variant, request.set);
+      const Result<VariantResult> result = judge_sequence(bench_case, variant, request.set, 0);
       if (!result) return result.error();
       const PointQuality& q = result->quality;
       const double judge_ms = statistics_of(result->judge_ms).median;

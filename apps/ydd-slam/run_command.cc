@@ -31,6 +31,10 @@ void add_method_options(CLI::App& command, RunRequest& request) {
                      "Detector YAML (configs/detector/): look for objects in every frame");
   command.add_option("--detector-set", request.detector_set, "Set one detector option: key=value")
       ->allow_extra_args(false);
+  command.add_option(
+      "--detect", request.detect,
+      "every-frame: tracking waits for the boxes of each frame; asynchronous: it never "
+      "waits, boxes are carried on");
   command.add_option("--detections", request.detections, "Replay recorded detections (JSON lines)");
   command.add_option("--objects", request.objects, "Object catalogue YAML (configs/objects.yaml)");
   command.add_option("--seed", request.seed, "Seed of every random choice");
@@ -84,6 +88,8 @@ void add_run_command(CLI::App& app, Job& job) {
       "  ydd-slam run rgbd_dataset_freiburg1_xyz\n"
       "  ydd-slam run my_recording --camera my_camera.yaml --out results\n"
       "  ydd-slam run my_recording --detector configs/detector/coco_body_head_hand.yaml\n"
+      "  ydd-slam run my_recording --realtime --detect asynchronous \\\n"
+      "      --detector configs/detector/coco_body_head_hand.yaml\n"
       "  ydd-slam run samples/office_crowd --detections samples/office_crowd/detections.jsonl \\\n"
       "      --video office.mp4");
   command->callback(

@@ -74,6 +74,9 @@ Result<Configuration> effective_configuration(const RunRequest& request) {
   if (!request.dynamic.empty()) {
     if (auto r = table.set("dynamics.variant", request.dynamic, "--dynamic"); !r) return r.error();
   }
+  if (!request.detect.empty()) {
+    if (auto r = table.set("detect.mode", request.detect, "--detect"); !r) return r.error();
+  }
   if (request.deterministic) out.options.deterministic = true;
   if (request.seed >= 0) out.options.tracking.relocalization.seed = request.seed;
   return out;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/system/detector_runner.h"
 
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -11,6 +12,7 @@ DetectorRunner::DetectorRunner(std::unique_ptr<Detector> detector)
         while (auto frame = frames_.pop()) {
           StageTimes times;
           Answer answer;
+          answer.frame = frame->index;
           {
             StageTimer timer(times, "detect");
             answer.detections = detector_->detect(*frame);
@@ -31,6 +33,65 @@ DetectorRunner::Answer DetectorRunner::join() {
   auto answer = answers_.pop();
   if (!answer) throw std::logic_error("DetectorRunner: join without start");
   return std::move(*answer);
+}
+
+std::optional<DetectorRunner::Answer> DetectorRunner::poll() { return answers_.try_pop(); }
+
+void DetectOptions::describe(OptionTable& table) {
+  table.add(
+      "mode", mode, {"every-frame", "asynchronous"},
+      "asynchronous: tracking never waits; boxes are carried on from the newest frame that the "
+      "detector has seen");
+  table.add("latency_frames", latency_frames, {0, 30}, "",
+            "asynchronous: use answers just so many frames later; 0: as soon as they are there "
+            "(deterministic runs: 2)");
+  table.group("carry", carry);
+}
+
+AsynchronousDetection::AsynchronousDetection(std::unique_ptr<Detector> detector,
+                                             const DetectOptions& options)
+    : options_(options), runner_(std::move(detector)), carrier_(options.carry) {}
+
+AsynchronousDetection::Boxes AsynchronousDetection::next(const RgbdFrame& frame) {
+  Boxes boxes;
+  std::optional<StageTimer> carry(std::in_place, boxes.times, "carry_boxes");
+  carrier_.advance(frame);
+  carry.reset();
+  if (first_) {
+    runner_.start(frame);
+    asked_ = frame.index;
+  }
+  std::optional<StageTimer> wait(std::in_place, boxes.times, "wait_for_detector");
+  const std::optional<DetectorRunner::Answer> answer = answer_for(frame.index);
+  wait.reset();
+  first_ = false;
+  if (answer) {
+    boxes.times.push_back(answer->time);
+    if (!answer->detections) {
+      boxes.detections = answer->detections.error();
+      return boxes;
+    }
+    const StageTimer take(boxes.times, "take_boxes");
+    carrier_.take(answer->frame, *answer->detections);
+  }
+  if (asked_ < 0) {
+    runner_.start(frame);
+    asked_ = frame.index;
+  }
+  boxes.detections = carrier_.now();
+  return boxes;
+}
+
+std::optional<DetectorRunner::Answer> AsynchronousDetection::answer_for(std::int64_t frame) {
+  if (asked_ < 0) return {};
+  std::optional<DetectorRunner::Answer> answer;
+  if (first_ || (options_.latency_frames > 0 && frame - asked_ >= options_.latency_frames)) {
+    answer = runner_.join();
+  } else if (options_.latency_frames == 0) {
+    answer = runner_.poll();
+  }
+  if (answer) asked_ = -1;
+  return answer;
 }
 
 }  // namespace ydd

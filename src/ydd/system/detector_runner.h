@@ -1,20 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "ydd/base/channel.h"
+#include "ydd/base/options.h"
 #include "ydd/base/timing.h"
+#include "ydd/detection/box_carrier.h"
 #include "ydd/detection/detector.h"
 
 namespace ydd {
+
+/// When frames get boxes.
+struct DetectOptions {
+  std::string mode = "every-frame";
+  int latency_frames = 0;
+  CarryOptions carry;
+  void describe(OptionTable& table);
+  bool asynchronous() const { return mode == "asynchronous"; }
+};
 
 /// A detector in a thread of its own, so that it works beside feature extraction. Every frame given
 /// to `start` is answered by one `join`, in order: results belong to their frame.
 class DetectorRunner {
  public:
   struct Answer {
+    std::int64_t frame = 0;  ///< index
     Result<Detections> detections = Detections{};
     StageTime time;
   };
@@ -26,12 +41,41 @@ class DetectorRunner {
 
   void start(const RgbdFrame& frame);
   Answer join();
+  /// As join(), if there is an answer by now.
+  std::optional<Answer> poll();
 
  private:
   std::unique_ptr<Detector> detector_;  // used by thread_ only
   Channel<RgbdFrame> frames_{1};
   Channel<Answer> answers_{1};
   std::jthread thread_;
+};
+
+/// Boxes for every frame from a detector that is slower than the camera: it looks at the newest
+/// frame whenever it is free, and its boxes are carried on to the frames that come meanwhile. Only
+/// the first frame waits for it: a map must not begin with people in it.
+///
+/// With `latency_frames` an answer is used just so many frames after its frame, however long it
+/// took: two runs see the same boxes. Thread: one.
+class AsynchronousDetection {
+ public:
+  AsynchronousDetection(std::unique_ptr<Detector> detector, const DetectOptions& options);
+
+  struct Boxes {
+    Result<Detections> detections = Detections{};
+    StageTimes times;  ///< of what the caller did, and "detect" for an answer that came
+  };
+  /// The boxes of `frame`. Fails when the detector could not judge the frame that it looked at.
+  Boxes next(const RgbdFrame& frame);
+
+ private:
+  std::optional<DetectorRunner::Answer> answer_for(std::int64_t frame);
+
+  DetectOptions options_;
+  DetectorRunner runner_;
+  BoxCarrier carrier_;
+  std::int64_t asked_ = -1;  // frame that the detector looks at, negative: none
+  bool first_ = true;
 };
 
 }  // namespace ydd

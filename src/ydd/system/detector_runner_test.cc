@@ -28,6 +28,7 @@ class Numbering final : public Detector {
 RgbdFrame frame(std::int64_t index) {
   RgbdFrame out;
   out.index = index;
+  out.grey = GreyImage(320, 8, std::vector<std::uint8_t>(std::size_t{320} * 8, 100));
   return out;
 }
 
@@ -67,6 +68,53 @@ TEST(DetectorRunner, MayBeDroppedAtAnyTime) {
   { const DetectorRunner idle(std::make_unique<Numbering>()); }
   DetectorRunner busy(std::make_unique<Numbering>());
   busy.start(frame(0));
+}
+
+/// Boxes whose place tells the frame in which they were seen.
+std::vector<float> frames_seen(const DetectOptions& options, int frames) {
+  AsynchronousDetection detection(std::make_unique<Numbering>(), options);
+  std::vector<float> seen;
+  for (int i = 10; i < 10 + frames; ++i) {
+    const auto boxes = detection.next(frame(i));
+    EXPECT_TRUE(boxes.detections.ok());
+    EXPECT_LE(boxes.detections->size(), 1U);
+    seen.push_back(boxes.detections->empty() ? -1 : boxes.detections->front().box.x0);
+  }
+  return seen;
+}
+
+DetectOptions asynchronous(int latency_frames) {
+  DetectOptions options;
+  options.mode = "asynchronous";
+  options.latency_frames = latency_frames;
+  options.carry.motion = "none";
+  options.carry.missed = 0;
+  return options;
+}
+
+TEST(AsynchronousDetection, AFixedLatencyIsKept) {
+  EXPECT_EQ(frames_seen(asynchronous(1), 5), (std::vector<float>{10, 10, 11, 12, 13}));
+  EXPECT_EQ(frames_seen(asynchronous(3), 8), (std::vector<float>{10, 10, 10, 10, 10, 10, 13, 13}));
+}
+
+TEST(AsynchronousDetection, TheFirstFrameHasItsOwnBoxesAndNoneIsNewerThanItsFrame) {
+  const std::vector<float> seen = frames_seen(asynchronous(0), 50);
+  EXPECT_EQ(seen.front(), 10);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    EXPECT_LE(seen[i], static_cast<float>(10 + i));
+    if (i > 0) {
+      EXPECT_GE(seen[i], seen[i - 1]);
+    }
+  }
+}
+
+TEST(AsynchronousDetection, AFailureIsReported) {
+  AsynchronousDetection detection(std::make_unique<Numbering>(), asynchronous(1));
+  EXPECT_TRUE(detection.next(frame(2)).detections.ok());
+  EXPECT_TRUE(detection.next(frame(3)).detections.ok()) << "looked at frame 2 again";
+  const auto failed = detection.next(frame(4));
+  ASSERT_FALSE(failed.detections.ok());
+  EXPECT_EQ(failed.detections.error().message, "frame 3 cannot be judged");
 }
 
 }  // namespace

@@ -15,6 +15,16 @@ std::unique_ptr<MappingRunner> make_mapping(const Camera& camera, const SystemOp
                                : make_threaded_mapping(std::move(mapper), options.loop);
 }
 
+/// Equal results need answers at fixed frames.
+DetectOptions detect_options(const SystemOptions& options) {
+  constexpr int kDeterministicLatency = 2;
+  DetectOptions detect = options.detect;
+  if (options.deterministic && detect.latency_frames == 0) {
+    detect.latency_frames = kDeterministicLatency;
+  }
+  return detect;
+}
+
 }  // namespace
 
 SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
@@ -23,8 +33,15 @@ SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
       extractor_(options.orb),
       judge_(options.dynamics, std::move(catalogue)),
       tracker_(options.tracking),
-      mapping_(make_mapping(camera, options)),
-      detector_(detector ? std::make_unique<DetectorRunner>(std::move(detector)) : nullptr) {}
+      mapping_(make_mapping(camera, options)) {
+  if (!detector) return;
+  if (options.detect.asynchronous()) {
+    asynchronous_ =
+        std::make_unique<AsynchronousDetection>(std::move(detector), detect_options(options));
+  } else {
+    detector_ = std::make_unique<DetectorRunner>(std::move(detector));
+  }
+}
 
 Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
   FrameReport report;
@@ -34,7 +51,7 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
   StageTimer total_timer(total, "total");
   if (detector_) detector_->start(frame);
   const Features features = extract(frame, report);
-  Result<Detections> detections = join_detections(report);
+  Result<Detections> detections = join_detections(frame, report);
   if (!detections) return detections.error();
   report.detections = std::move(*detections);
   {
@@ -54,7 +71,12 @@ Features SlamSystem::extract(const RgbdFrame& frame, FrameReport& report) {
   return with_geometry(extractor_.extract(frame.grey, report.requested), camera_, frame.depth_m);
 }
 
-Result<Detections> SlamSystem::join_detections(FrameReport& report) {
+Result<Detections> SlamSystem::join_detections(const RgbdFrame& frame, FrameReport& report) {
+  if (asynchronous_) {
+    AsynchronousDetection::Boxes boxes = asynchronous_->next(frame);
+    report.times.insert(report.times.end(), boxes.times.begin(), boxes.times.end());
+    return std::move(boxes.detections);
+  }
   if (!detector_) return Detections{};
   StageTimes waited;
   StageTimer timer(waited, "wait_for_detector");

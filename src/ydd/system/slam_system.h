@@ -62,7 +62,7 @@ class SlamSystem {
 
  private:
   Features extract(const RgbdFrame& frame, FrameReport& report);
-  Result<Detections> join_detections(FrameReport& report);
+  Result<Detections> join_detections(const RgbdFrame& frame, FrameReport& report);
   void track(const RgbdFrame& frame, FrameReport& report);
   bool submit(KeyFrameCandidate candidate);
   MapId main_map() const;
@@ -72,7 +72,8 @@ class SlamSystem {
   DynamicsJudge judge_;
   Tracker tracker_;
   std::unique_ptr<MappingRunner> mapping_;
-  std::unique_ptr<DetectorRunner> detector_;
+  std::unique_ptr<DetectorRunner> detector_;             // of every frame
+  std::unique_ptr<AsynchronousDetection> asynchronous_;  // or this
   std::vector<TrajectoryEntry> trajectory_;
 };
 

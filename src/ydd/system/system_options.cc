@@ -9,6 +9,7 @@ void SystemOptions::describe(OptionTable& t) {
   t.group("tracking", tracking);
   t.group("mapping", mapping);
   t.group("loop", loop);
+  t.group("detect", detect);
   t.add("deterministic", deterministic, "map in the tracking thread: two runs give equal bytes");
 }
 

@@ -5,6 +5,7 @@
 #include "ydd/features/orb_extractor.h"
 #include "ydd/loop/loop_closer.h"
 #include "ydd/mapping/mapper.h"
+#include "ydd/system/detector_runner.h"
 #include "ydd/tracking/tracker.h"
 
 namespace ydd {
@@ -16,6 +17,7 @@ struct SystemOptions {
   TrackerOptions tracking;
   MapperOptions mapping;
   LoopOptions loop;
+  DetectOptions detect;
   bool deterministic = false;
 
   void describe(OptionTable& table);

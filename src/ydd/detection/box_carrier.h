@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ydd/base/options.h"
+#include "ydd/detection/detection.h"
+#include "ydd/image/rgbd_frame.h"
+
+namespace ydd {
+
+/// How boxes get from the frame in which a detector saw them to the newest one.
+struct CarryOptions {
+  std::string motion = "flow";
+  int missed = 2;        ///< results without it that a person survives
+  int seen = 2;          ///< results with it that make a person worth that
+  double overlap = 0.3;  ///< intersection over union that makes two boxes the same thing
+  void describe(OptionTable& table);
+};
+
+/// Boxes of the newest frame out of results that belong to earlier ones, for a detector that is
+/// slower than the camera. Each box moves with what is in it: by the median optical flow (pyramidal
+/// Lucas-Kanade on a picture of 160 px width) of points at the depth of its nearest surface, and
+/// grows as that comes nearer. A side on the border of the picture stays there while the box moves
+/// in: the rest of the thing follows. A person that a result lacks is carried on for a while.
+///
+/// Data in, data out; the same calls give the same boxes. Thread: one.
+class BoxCarrier {
+ public:
+  explicit BoxCarrier(const CarryOptions& options);
+  ~BoxCarrier();
+  BoxCarrier(BoxCarrier&&) noexcept;
+  BoxCarrier& operator=(BoxCarrier&&) noexcept;
+
+  /// A new frame; all boxes move to it. Pictures are kept until a result for them or for a later
+  /// frame has come. @throws std::logic_error unless indices rise.
+  void advance(const RgbdFrame& frame);
+
+  /// What the detector saw in the frame with this index, carried to the newest frame. A frame that
+  /// is not kept any more is taken for the oldest one that is.
+  void take(std::int64_t frame_index, const Detections& found);
+
+  /// Boxes in the newest frame, by falling score, cut to the picture.
+  Detections now() const;
+
+ private:
+  struct Picture;  // small grey picture and depth of one frame
+  struct Thing {
+    Detection detection;
+    float dx_px = 0, dy_px = 0;  // per frame, of the last step
+    int seen = 1;                // results with it
+    int missed = 0;              // results without it since
+  };
+  struct Flow {  // of what is in one box
+    bool known = false;
+    float dx_px = 0, dy_px = 0, growth = 1;
+  };
+  static std::vector<Flow> flows_of(const std::vector<Thing>& things, const Picture& from,
+                                    const Picture& to);
+  static Flow summary(std::vector<float> dx, std::vector<float> dy, std::vector<float> nearer);
+  /// Moves `things` from one picture to the next.
+  void move(std::vector<Thing>& things, const Picture& from, const Picture& to) const;
+  std::vector<Thing> carried(const std::vector<Thing>& things, std::size_t from_picture) const;
+  std::vector<Thing> received(std::int64_t frame_index, const Detections& found);
+  bool same(const Detection& a, const Detection& b) const;
+  void set_velocities(std::vector<Thing>& fresh, int frames) const;
+
+  CarryOptions options_;
+  std::vector<Picture> pictures_;  // by rising index
+  std::vector<Thing> things_;      // in the newest frame
+  std::vector<Thing> last_result_;
+  std::int64_t last_result_frame_ = -1;
+};
+
+}  // namespace ydd
