@@ -71,7 +71,7 @@ struct Outcome {
   }
 };
 
-/// Runs a programme with its arguments in `folder` (default: here) and waits for it.
+/// Runs a programme (found on the PATH) with its arguments in `folder` (default: here) and waits for it.
 inline Outcome run_programme(std::vector<std::string> arguments, const fs::path& folder = ".") {
   const TemporaryFolder scratch;
   const std::string out_file = scratch / "out";
@@ -89,7 +89,7 @@ inline Outcome run_programme(std::vector<std::string> arguments, const fs::path&
         ::chdir(folder.c_str()) != 0) {
       ::_exit(126);
     }
-    ::execv(argv.front(), argv.data());
+    ::execvp(argv.front(), argv.data());
     ::_exit(127);
   }
   int status = 0;

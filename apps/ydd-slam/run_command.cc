@@ -58,6 +58,25 @@ void add_result_options(CLI::App& command, RunRequest& request) {
                    "Print the summary as JSON, and nothing else, on standard output");
 }
 
+void add_view_options(CLI::App& command, ViewRequest& view) {
+  CLI::Option* window =
+      command.add_flag("--view", view.window, "Watch in a window (docs/live-view.md)");
+  command.add_flag("--view-close-at-end", view.close_at_end, "Close the window when the run ends")
+      ->needs(window);
+  command
+      .add_option("--view-screenshot", view.screenshot,
+                  "PNG file: the window as it is when the run has ended")
+      ->needs(window);
+  command.add_flag("--view-paused", view.paused, "Pause after the first frame")->needs(window);
+  command.add_flag("--view-dense", view.dense, "Show the dense static cloud from the start")
+      ->needs(window);
+  command
+      .add_option("--view-fps", view.most_redraws_hz,
+                  "Most redraws in a second (software OpenGL: fewer leave more to tracking)")
+      ->check(CLI::Range(1.0, 240.0))
+      ->needs(window);
+}
+
 Result<void> run_and_tell(const RunRequest& request) {
   const Result<RunOutcome> outcome = run_sequence(request);
   if (!outcome) return outcome.error();
@@ -83,6 +102,7 @@ void add_run_command(CLI::App& app, Job& job) {
   add_input_options(*command, *request);
   add_method_options(*command, *request);
   add_result_options(*command, *request);
+  add_view_options(*command, request->view);
   command->footer(
       "Examples:\n"
       "  ydd-slam run rgbd_dataset_freiburg1_xyz\n"
@@ -90,6 +110,7 @@ void add_run_command(CLI::App& app, Job& job) {
       "  ydd-slam run my_recording --detector configs/detector/coco_body_head_hand.yaml\n"
       "  ydd-slam run my_recording --realtime --detect asynchronous \\\n"
       "      --detector configs/detector/coco_body_head_hand.yaml\n"
+      "  ydd-slam run samples/office_crowd --view\n"
       "  ydd-slam run samples/office_crowd --detections samples/office_crowd/detections.jsonl \\\n"
       "      --video office.mp4");
   command->callback(

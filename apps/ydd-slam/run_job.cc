@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <chrono>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,42 +6,24 @@
 #include <opencv2/core/version.hpp>
 
 #include "moment_files.h"
-#include "progress.h"
 #include "run_folder.h"
 #include "run_job.h"
 #include "run_pictures.h"
 #include "run_report.h"
+#include "run_watch.h"
 #include "ydd/base/files.h"
-#include "ydd/base/log.h"
+#include "ydd/base/timing.h"
 #include "ydd/dataset/camera_file.h"
-#include "ydd/dataset/frame_source.h"
 #include "ydd/dataset/tum_sequence.h"
 #include "ydd/detection/detector_config.h"
 #include "ydd/detection/recorded_detections.h"
 #include "ydd/map/map_dump.h"
 #include "ydd/system/run_recorder.h"
-#include "ydd/viewer/key_moments.h"
 
 namespace ydd::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Real-time pace: which frame is due, and waiting for it.
-class Pace {
- public:
-  explicit Pace(Timestamp first) : first_(first), start_(std::chrono::steady_clock::now()) {}
-
-  void wait_until_due(Timestamp stamp) const { std::this_thread::sleep_until(due(stamp)); }
-  bool is_due(Timestamp stamp) const { return std::chrono::steady_clock::now() >= due(stamp); }
-
- private:
-  std::chrono::steady_clock::time_point due(Timestamp stamp) const {
-    return start_ + std::chrono::nanoseconds(stamp.ns - first_.ns);
-  }
-  Timestamp first_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 /// What a run is configured with, and what it leaves as config.yaml.
 struct Configuration {
@@ -100,81 +80,6 @@ Result<std::unique_ptr<Detector>> make_run_detector(const RunRequest& request,
   if (!recording) return recording.error();
   return std::unique_ptr<Detector>(
       std::make_unique<RecordedDetector>(std::move(*recording), request.detections));
-}
-
-std::string state_text(const FrameReport& report, const SlamSystem& system) {
-  const Observations& seen = *report.observations;
-  const double share = seen.extracted() == 0 ? 0.0
-                                             : 100.0 * static_cast<double>(seen.rejected.size()) /
-                                                   static_cast<double>(seen.extracted());
-  const auto atlas = system.atlas();
-  return fmt::format("{}  {} keyframes  {} points  {:.0f} % rejected",
-                     to_string(report.track.state), atlas->keyframes().size(),
-                     atlas->points().size(), share);
-}
-
-MapSize map_size(const SlamSystem& system) {
-  const auto atlas = system.atlas();
-  return {atlas->keyframes().size(), atlas->points().size()};
-}
-
-/// Whether a live camera would have overtaken frame `i` by now: then it is dropped, and counted.
-bool overtaken(const Sequence& sequence, std::size_t i, std::size_t end, const Pace& pace) {
-  return i + 1 < end && pace.is_due(sequence.entry(i + 1).stamp);
-}
-
-/// Who hears of every frame.
-struct Listeners {
-  RunRecorder recorder;
-  KeyMoments moments;
-  std::unique_ptr<RunPictures> pictures;  ///< null: none are asked for
-};
-
-/// One frame that could be read: through the system, to all who listen.
-Result<void> feed_frame(const RgbdFrame& frame, SlamSystem& system, Listeners& listeners,
-                        Progress& progress) {
-  Result<FrameReport> report = system.process(frame);
-  if (!report) return report.error();
-  listeners.recorder.add(*report, map_size(system));
-  listeners.moments.add(frame, *report);
-  progress.update(static_cast<std::size_t>(frame.index) + 1, state_text(*report, system));
-  if (!listeners.pictures) return {};
-  return listeners.pictures->add(frame, *report, system.atlas());
-}
-
-/// Feeds the sequence to the system; the recorder keeps what happened.
-Result<void> feed(const Sequence& sequence, const Camera& camera, const RunRequest& request,
-                  SlamSystem& system, Listeners& listeners) {
-  RunRecorder& recorder = listeners.recorder;
-  const std::size_t end =
-      request.max_frames > 0
-          ? std::min(sequence.size(), static_cast<std::size_t>(request.max_frames))
-          : sequence.size();
-  Progress progress(sequence.name(), end, request.quiet);
-  FrameSource source(sequence, camera);
-  const Pace pace(sequence.entry(0).stamp);
-  for (std::size_t i = 0; i < end; ++i) {
-    const auto frame = source.next();
-    if (!frame) break;
-    if (request.realtime && overtaken(sequence, i, end, pace)) {
-      recorder.add_dropped(1);
-      continue;
-    }
-    if (request.realtime) pace.wait_until_due(sequence.entry(i).stamp);
-    if (!*frame) {
-      const std::string reason = fmt::format("frame {}: {}", i, frame->error().message);
-      if (request.strict) return Error{reason};
-      log::warning("{}; skipped", reason);
-      recorder.add_skipped(static_cast<std::int64_t>(i), frame->error().message);
-    } else if (auto r = feed_frame(**frame, system, listeners, progress); !r) {
-      return r;
-    }
-  }
-  system.finish();
-  if (recorder.processed() == 0) {
-    return Error{fmt::format("{}: not one frame could be read", sequence.folder().string())};
-  }
-  return {};
 }
 
 Result<void> write_results(const fs::path& folder, const RunRequest& request,
@@ -239,6 +144,7 @@ std::string effective_yaml(Configuration configuration) {
 }  // namespace
 
 Result<RunOutcome> run_sequence(const RunRequest& request) {
+  if (auto r = check_watchers(request); !r) return r.error();
   Result<Sequence> sequence = Sequence::open(request.sequence, request.sequence_options);
   if (!sequence) return sequence.error();
   const Result<Configuration> configuration = effective_configuration(request);
@@ -260,7 +166,10 @@ Result<RunOutcome> run_sequence(const RunRequest& request) {
   SlamSystem system(camera, options, *catalogue, std::move(*detector));
   const RunRecorder& recorder = listeners.recorder;
   const std::int64_t start_ns = wall_clock_ns();
-  if (auto r = feed(*sequence, camera, request, system, listeners); !r) return r.error();
+  const FeedInput input{*sequence, camera, request, *catalogue};
+  if (auto r = feed_watched(input, system, listeners, has_detector, folder->path()); !r) {
+    return r.error();
+  }
   const double wall_s = static_cast<double>(wall_clock_ns() - start_ns) * 1e-9;
   if (listeners.pictures) {
     if (auto r = listeners.pictures->finish(); !r) return r.error();

@@ -14,6 +14,16 @@
 
 namespace ydd::app {
 
+/// The window of a run, as the command line asks for it.
+struct ViewRequest {
+  bool window = false;
+  bool close_at_end = false;
+  bool dense = false;
+  bool paused = false;  ///< after the first frame
+  double most_redraws_hz = 30;
+  std::string screenshot;  ///< PNG of the window in the end; empty: none
+};
+
 /// One run as the command line asks for it.
 struct RunRequest {
   std::string sequence;
@@ -31,6 +41,7 @@ struct RunRequest {
   std::string dynamic;
   std::string trajectory_format = "tum";
   SequenceOptions sequence_options;
+  ViewRequest view;
   int pictures_every = 1;
   int max_frames = 0;  ///< 0: all
   int seed = -1;       ///< negative: as configured

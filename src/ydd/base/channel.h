@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -60,6 +61,15 @@ class Channel {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, stop, [&] { return closed_ || !queue_.empty(); });
     if (queue_.empty() || stop.stop_requested()) return std::nullopt;
+    return take();
+  }
+
+  /// Waits at most so long for a value. Nothing when none came, or when closed and drained.
+  template <class Rep, class Period>
+  std::optional<T> pop_within(std::chrono::duration<Rep, Period> wait) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, wait, [&] { return closed_ || !queue_.empty(); });
+    if (queue_.empty()) return std::nullopt;
     return take();
   }
 

@@ -53,6 +53,17 @@ TEST(Channel, ClosedRefusesPushesAndDrains) {
   EXPECT_EQ(channel.pop(), std::nullopt);
 }
 
+TEST(Channel, WaitsNoLongerThanItIsTold) {
+  Channel<int> channel(2);
+  EXPECT_EQ(channel.pop_within(std::chrono::milliseconds(1)), std::nullopt);
+  std::jthread writer([&] { channel.push(7); });
+  EXPECT_EQ(channel.pop_within(std::chrono::minutes(1)), 7);
+  EXPECT_TRUE(channel.try_push(8));
+  channel.close();
+  EXPECT_EQ(channel.pop_within(std::chrono::minutes(1)), 8);
+  EXPECT_EQ(channel.pop_within(std::chrono::minutes(1)), std::nullopt);
+}
+
 TEST(Channel, CloseWakesABlockedPop) {
   Channel<int> channel(1);
   std::optional<int> got = 7;

@@ -1,9 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/dynamics/dynamics_options.h"
 
+#include <algorithm>
+#include <array>
 #include <stdexcept>
 
 namespace ydd {
+namespace {
+
+constexpr std::array<std::string_view, 4> kVariants = {"off", "box", "person", "full"};
+
+}  // namespace
+
+std::string_view to_string(Variant variant) {
+  return kVariants.at(static_cast<std::size_t>(variant));
+}
+
+std::optional<Variant> parse_variant(std::string_view name) {
+  const auto* const found = std::find(kVariants.begin(), kVariants.end(), name);
+  if (found == kVariants.end()) return std::nullopt;
+  return static_cast<Variant>(found - kVariants.begin());
+}
 
 void ObjectDepthOptions::describe(OptionTable& table) {
   table.add("arm_samples", arm_samples, {1, 100}, "", "depth samples on each arm of the cross");
@@ -122,10 +139,7 @@ void DynamicsOptions::describe(OptionTable& table) {
 }
 
 Variant DynamicsOptions::parsed_variant() const {
-  if (variant == "off") return Variant::off;
-  if (variant == "box") return Variant::box;
-  if (variant == "person") return Variant::person;
-  if (variant == "full") return Variant::full;
+  if (const auto parsed = parse_variant(variant)) return *parsed;
   throw std::logic_error("DynamicsOptions: unknown variant '" + variant + "'");
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "ydd/base/options.h"
 
@@ -9,6 +11,9 @@ namespace ydd {
 
 /// What is rejected (docs/method.md, section 9).
 enum class Variant { off, box, person, full };
+std::string_view to_string(Variant variant);
+/// Nothing unless `name` is one of the four.
+std::optional<Variant> parse_variant(std::string_view name);
 
 /// Section 3: where an object's depth is sampled.
 struct ObjectDepthOptions {

@@ -112,6 +112,11 @@ DynamicsJudge::DynamicsJudge(const DynamicsOptions& options, ObjectCatalogue cat
       switch_(options.static_after_frames),
       budget_(options.compensation.points) {}
 
+void DynamicsJudge::set_variant(Variant variant) {
+  options_.variant = to_string(variant);
+  tracks_.clear();
+}
+
 Judgement DynamicsJudge::judge(const Features& features, const Detections& detections,
                                const DepthImage& depth_m) {
   const bool dynamic_frame = switch_.step(has_dynamic_object(detections, catalogue_));

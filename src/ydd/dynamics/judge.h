@@ -64,6 +64,9 @@ class DynamicsJudge {
   /// How many points the next frame should ask the extractor for.
   int budget() const { return budget_; }
 
+  /// What is rejected from the next frame on; persons carried over so far are forgotten.
+  void set_variant(Variant variant);
+
   const DynamicsOptions& options() const { return options_; }
   const ObjectCatalogue& catalogue() const { return catalogue_; }
 

@@ -54,6 +54,18 @@ const StageTime* find_stage(const StageTimes& times, const std::string& stage) {
   return it == times.end() ? nullptr : &*it;
 }
 
+Json loops_to_json(const std::vector<LoopReport>& loops) {
+  Json out = Json::array();
+  for (const LoopReport& loop : loops) {
+    out.push_back({{"frame", loop.current_frame},
+                   {"matched_frame", loop.matched_frame},
+                   {"points", loop.inliers},
+                   {"shift_m", loop.shift_m},
+                   {"welded_maps", loop.welded}});
+  }
+  return out;
+}
+
 }  // namespace
 
 double peak_resident_mb() {
@@ -89,6 +101,10 @@ void RunRecorder::add_skipped(std::int64_t frame, const std::string& reason) {
   skipped_.emplace_back(frame, reason);
 }
 
+void RunRecorder::add_command(std::int64_t after_frame, const std::string& command) {
+  commands_.emplace_back(after_frame, command);
+}
+
 std::map<std::string, RunRecorder::Series> RunRecorder::mapper_series(const SlamSystem& system) {
   std::map<std::string, Series> stages;
   const auto add = [&](const StageTimes& times) {
@@ -120,13 +136,9 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
   for (const auto& [stage, series] : stages_) {
     medians[stage] = statistics_of(series.cpu_ms).median;
   }
-  Json loops = Json::array();
-  for (const LoopReport& loop : system.mapping_reports().loops) {
-    loops.push_back({{"frame", loop.current_frame},
-                     {"matched_frame", loop.matched_frame},
-                     {"points", loop.inliers},
-                     {"shift_m", loop.shift_m},
-                     {"welded_maps", loop.welded}});
+  Json commands = Json::array();
+  for (const auto& [frame, command] : commands_) {
+    commands.push_back({{"after_frame", frame}, {"command", command}});
   }
   const auto frames_in = processed_ + dropped_ + static_cast<int>(skipped_.size());
   const Json out = {
@@ -145,7 +157,8 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"frames_skipped", skipped},
       {"frames_tracked", tracked_},
       {"lost_spans", lost},
-      {"loops", loops},
+      {"loops", loops_to_json(system.mapping_reports().loops)},
+      {"live_commands", commands},
       {"keyframes_inserted", keyframes_},
       {"keyframes_kept", atlas->keyframes().size()},
       {"map_points", atlas->points().size()},

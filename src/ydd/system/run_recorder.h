@@ -34,6 +34,8 @@ class RunRecorder {
   void add(const FrameReport& report, const MapSize& map = {});
   void add_skipped(std::int64_t frame, const std::string& reason);
   void add_dropped(int frames) { dropped_ += frames; }
+  /// What somebody asked for while it ran (docs/live-view.md); `after_frame` -1: before the first.
+  void add_command(std::int64_t after_frame, const std::string& command);
 
   /// Frames read, tracked, lost, skipped; map size; points rejected per rule; medians of stages.
   std::string summary_json(const RunDescription& run, const SlamSystem& system,
@@ -75,6 +77,7 @@ class RunRecorder {
   int keyframes_ = 0;
   int dropped_ = 0;
   std::vector<std::pair<std::int64_t, std::string>> skipped_;
+  std::vector<std::pair<std::int64_t, std::string>> commands_;
   std::vector<Span> lost_;
   std::vector<double> requested_, kept_;
   std::array<std::int64_t, kRuleCount> rules_{};

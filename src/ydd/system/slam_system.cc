@@ -30,6 +30,7 @@ DetectOptions detect_options(const SystemOptions& options) {
 SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
                        ObjectCatalogue catalogue, std::unique_ptr<Detector> detector)
     : camera_(camera),
+      options_(options),
       extractor_(options.orb),
       judge_(options.dynamics, std::move(catalogue)),
       tracker_(options.tracking),
@@ -113,6 +114,16 @@ void SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
 
 bool SlamSystem::submit(KeyFrameCandidate candidate) {
   return mapping_->submit(std::move(candidate));
+}
+
+void SlamSystem::reset() {
+  const Variant variant = judge_.options().parsed_variant();
+  mapping_->finish();
+  mapping_ = make_mapping(camera_, options_);
+  tracker_ = Tracker(options_.tracking);
+  judge_ = DynamicsJudge(options_.dynamics, judge_.catalogue());
+  judge_.set_variant(variant);
+  trajectory_.clear();
 }
 
 void SlamSystem::finish() { mapping_->finish(); }

@@ -48,6 +48,15 @@ class SlamSystem {
   /// Fails only when the detector cannot judge the frame.
   Result<FrameReport> process(const RgbdFrame& frame);
 
+  /// What is rejected from the next frame on.
+  void set_variant(Variant variant) { judge_.set_variant(variant); }
+  Variant variant() const { return judge_.options().parsed_variant(); }
+
+  /// Forgets every map, the trajectory and what is known of persons; the next frame starts the
+  /// first map again, with the variant of now. Waits until the mapper has worked off what it has.
+  /// Ids given out so far mean nothing afterwards.
+  void reset();
+
   /// Works off what the mapper still has. Afterwards nothing may be processed.
   void finish();
 
@@ -68,6 +77,7 @@ class SlamSystem {
   MapId main_map() const;
 
   Camera camera_;
+  SystemOptions options_;
   OrbExtractor extractor_;
   DynamicsJudge judge_;
   Tracker tracker_;

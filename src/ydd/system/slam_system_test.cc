@@ -75,6 +75,42 @@ TEST_P(System, FollowsTheCameraAndResolvesEveryFrame) {
   EXPECT_GE(system.mapping_reports().keyframes.size(), 2U);
 }
 
+TEST_P(System, ResetForgetsEverythingAndStartsAfresh) {
+  const Wall wall(kFrames);
+  SlamSystem system(wall.camera(), options_for(GetParam()), ObjectCatalogue::defaults(), nullptr);
+  SlamSystem fresh(wall.camera(), options_for(true), ObjectCatalogue::defaults(), nullptr);
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(system.process(wall.frame(i)).ok());
+  system.reset();
+  EXPECT_EQ(system.atlas()->keyframes().size(), 0U);
+  EXPECT_THAT(system.trajectory(), IsEmpty());
+  for (int i = 20; i < kFrames; ++i) {
+    ASSERT_TRUE(system.process(wall.frame(i)).ok());
+    ASSERT_TRUE(fresh.process(wall.frame(i)).ok());
+  }
+  system.finish();
+  fresh.finish();
+  if (GetParam()) {  // else the mapper's pace decides
+    EXPECT_EQ(dump_map(*system.atlas()), dump_map(*fresh.atlas()));
+  }
+  EXPECT_EQ(system.trajectory().size(), static_cast<std::size_t>(kFrames - 20));
+  EXPECT_EQ(system.trajectory().front().stamp, wall.stamp(20));
+}
+
+TEST_P(System, TheVariantCanBeSwitchedBetweenFrames) {
+  const Wall wall(kFrames);
+  SlamSystem system(wall.camera(), options_for(GetParam(), "off"), ObjectCatalogue::defaults(),
+                    std::make_unique<Fixed>());
+  EXPECT_EQ(system.variant(), Variant::off);
+  EXPECT_EQ(system.process(wall.frame(0))->judgement.rejected(), 0);
+  system.set_variant(Variant::box);
+  const Result<FrameReport> report = system.process(wall.frame(1));
+  EXPECT_GT(count_rules(*report->observations)[static_cast<std::size_t>(Rule::box)], 10);
+  system.reset();
+  EXPECT_EQ(system.variant(), Variant::box);
+  system.set_variant(Variant::off);
+  EXPECT_EQ(system.process(wall.frame(2))->judgement.rejected(), 0);
+}
+
 TEST_P(System, FramesWithoutAPoseAreNotInTheTrajectory) {
   const Wall wall(kFrames);
   SlamSystem system(wall.camera(), options_for(GetParam()), ObjectCatalogue::defaults(), nullptr);

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "run_job.h"
+#include "run_pictures.h"
+#include "ydd/dataset/tum_sequence.h"
+#include "ydd/detection/object_catalogue.h"
+#include "ydd/system/run_recorder.h"
+#include "ydd/viewer/key_moments.h"
+#include "ydd/viewer/live_control.h"
+
+namespace ydd::app {
+
+/// What a run reads; all of it outlives the run.
+struct FeedInput {
+  const Sequence& sequence;
+  const Camera& camera;
+  const RunRequest& request;
+  const ObjectCatalogue& catalogue;
+};
+
+/// Who hears of every frame.
+struct Listeners {
+  RunRecorder recorder;
+  KeyMoments moments;
+  std::unique_ptr<RunPictures> pictures;  ///< null: none are asked for
+};
+
+/// How many frames a run reads at most.
+std::size_t frames_to_feed(const Sequence& sequence, const RunRequest& request);
+
+/// What watchers of the run need to know beforehand. Ground truth that cannot be read is left out:
+/// the report at the end tells why.
+LiveScene live_scene(const FeedInput& input, bool has_detector);
+
+/// Feeds the sequence to the system, frame by frame, until it ends or a watcher ends it, and
+/// finishes the system. `listeners` hear of every frame; `live` (may be null) shows it to watchers
+/// and takes their commands.
+Result<void> feed(const FeedInput& input, SlamSystem& system, Listeners& listeners,
+                  LiveControl* live);
+
+}  // namespace ydd::app

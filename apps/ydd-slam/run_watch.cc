@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run_watch.h"
+
+#include <future>
+
+#include "ydd/base/channel.h"
+#ifdef YDD_HAS_WINDOW
+#include "ydd/window/live_window.h"
+#endif
+
+namespace ydd::app {
+namespace {
+
+#ifdef YDD_HAS_WINDOW
+
+LiveWindowOptions window_options(const RunRequest& request, const std::filesystem::path& folder) {
+  LiveWindowOptions options;
+  options.most_redraws_hz = request.view.most_redraws_hz;
+  options.close_at_end = request.view.close_at_end;
+  options.dense = request.view.dense;
+  options.screenshot_at_end = request.view.screenshot;
+  options.screenshot_folder = folder;
+  return options;
+}
+
+/// `feed` in a thread whose failure must not leave watchers waiting.
+Result<void> feed_or_tell(const FeedInput& input, SlamSystem& system, Listeners& listeners,
+                          LiveControl& live) {
+  try {
+    Result<void> fed = feed(input, system, listeners, &live);
+    if (!fed) live.close(LiveEnd::failed);
+    return fed;
+  } catch (...) {
+    live.close(LiveEnd::failed);
+    throw;
+  }
+}
+
+/// The window has the calling thread, as GLFW wants it; the run gets one of its own. That one is
+/// started first: opening the window lowers the priority of the thread that does it.
+Result<void> feed_in_window(const FeedInput& input, SlamSystem& system, Listeners& listeners,
+                            LiveControl& live, const std::filesystem::path& folder) {
+  Channel<bool> window_is_open(1);
+  std::future<Result<void>> fed = std::async(std::launch::async, [&]() -> Result<void> {
+    if (!window_is_open.pop()) return {};
+    return feed_or_tell(input, system, listeners, live);
+  });
+  Result<LiveWindow> window = LiveWindow::open(window_options(input.request, folder));
+  if (!window) {
+    window_is_open.close();
+    return window.error();
+  }
+  if (input.request.view.paused) live.send(live::Step{});
+  window_is_open.push(true);
+  const Result<void> shown = window->show(live);
+  if (Result<void> run = fed.get(); !run) return run;
+  return shown;
+}
+
+#endif
+
+}  // namespace
+
+Result<void> check_watchers(const RunRequest& request) {
+#ifndef YDD_HAS_WINDOW
+  if (request.view.window) {
+    return Error{
+        "--view: this ydd-slam was built without its window; install libimgui-dev, libglfw3-dev "
+        "and "
+        "libepoxy-dev and build again with -DYDD_BUILD_WINDOW=ON"};
+  }
+#endif
+  (void)request;
+  return {};
+}
+
+Result<void> feed_watched(const FeedInput& input, SlamSystem& system, Listeners& listeners,
+                          bool has_detector, const std::filesystem::path& folder) {
+#ifdef YDD_HAS_WINDOW
+  if (input.request.view.window) {
+    LiveControl live(live_scene(input, has_detector));
+    return feed_in_window(input, system, listeners, live, folder);
+  }
+#endif
+  (void)has_detector;
+  (void)folder;
+  return feed(input, system, listeners, nullptr);
+}
+
+}  // namespace ydd::app
