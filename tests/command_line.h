@@ -71,7 +71,8 @@ struct Outcome {
   }
 };
 
-/// Runs a programme (found on the PATH) with its arguments in `folder` (default: here) and waits for it.
+/// Runs a programme (found on the PATH) with its arguments in `folder` (default: here) and waits
+/// for it.
 inline Outcome run_programme(std::vector<std::string> arguments, const fs::path& folder = ".") {
   const TemporaryFolder scratch;
   const std::string out_file = scratch / "out";

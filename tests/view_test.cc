@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The window of `run --view`, on a virtual screen with OpenGL in software.
-#include <cmath>
-#include <cstdlib>
-#include <set>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "small_world.h"
+#include "ydd/image/decode.h"
 #include "ydd/viewer/map_scene.h"
 #include "ydd/viewer/window_layout.h"
 
@@ -38,6 +37,14 @@ Outcome on_virtual_screen(const std::vector<std::string>& arguments, const fs::p
   std::vector<std::string> all = {"xvfb-run", "-a", "-s", "-screen 0 1280x720x24", YDD_BINARY};
   all.insert(all.end(), arguments.begin(), arguments.end());
   return run_programme(all, folder);
+}
+
+cv::Mat read_picture(const fs::path& file) {
+  const Result<ColourImage> image = load_colour(file);
+  if (!image) return {};
+  std::vector<Bgr> pixels(image->data(),
+                          image->data() + std::size_t(image->width()) * image->height());
+  return cv::Mat(image->height(), image->width(), CV_8UC3, pixels.data()).clone();
 }
 
 cv::Mat part(const cv::Mat& picture, const PixelRect& r) {
@@ -79,15 +86,15 @@ TEST(View, ShowsPictureMapAndPanels) {
                          "--view", "--view-close-at-end", "--view-screenshot", "view.png"},
                         folder.path());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const cv::Mat window = cv::imread((folder / "view.png").string());
+  const cv::Mat window = read_picture(folder / "view.png");
   ASSERT_EQ(window.size(), cv::Size(1280, 720));
   const WindowLayout layout = layout_window(1280, 720, 320.0 / 240);
 
   const std::string last = fmt::format("{:06d}.png", kFrames - 1);
-  const cv::Mat annotated = cv::imread((folder / "pictures" / last).string());
+  const cv::Mat annotated = read_picture(folder / "pictures" / last);
   ASSERT_FALSE(annotated.empty());
   EXPECT_LT(difference(part(window, layout.picture), annotated), 4);
-  const cv::Mat first = cv::imread((folder / "pictures/000000.png").string());
+  const cv::Mat first = read_picture(folder / "pictures/000000.png");
   EXPECT_GT(difference(part(window, layout.picture), first), 6) << "not the last frame";
 
   const cv::Mat map = part(window, layout.map);
@@ -173,6 +180,12 @@ TEST(View, ARunThatFailsClosesItsWindow) {
   const Outcome outcome = on_virtual_screen({"run", "broken", "--quiet", "--view"}, folder.path());
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("not one frame"));
+}
+
+TEST(View, AScreenshotIsAPngOrAJpeg) {
+  const Outcome outcome = ydd_slam({"run", "somewhere", "--view", "--view-screenshot", "a.gif"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr(".png or .jpg"));
 }
 
 TEST(View, ItsOptionsNeedTheWindow) {

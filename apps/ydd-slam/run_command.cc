@@ -58,6 +58,11 @@ void add_result_options(CLI::App& command, RunRequest& request) {
                    "Print the summary as JSON, and nothing else, on standard output");
 }
 
+/// Empty when the name is that of a picture that can be written, else why not.
+std::string is_picture_name(const std::string& name) {
+  return name.ends_with(".png") || name.ends_with(".jpg") ? "" : "must end in .png or .jpg";
+}
+
 void add_view_options(CLI::App& command, ViewRequest& view) {
   CLI::Option* window =
       command.add_flag("--view", view.window, "Watch in a window (docs/live-view.md)");
@@ -65,7 +70,8 @@ void add_view_options(CLI::App& command, ViewRequest& view) {
       ->needs(window);
   command
       .add_option("--view-screenshot", view.screenshot,
-                  "PNG file: the window as it is when the run has ended")
+                  "File (.png or .jpg): the window as it is when the run has ended")
+      ->check(CLI::Validator(is_picture_name, "FILE.png or FILE.jpg"))
       ->needs(window);
   command.add_flag("--view-paused", view.paused, "Pause after the first frame")->needs(window);
   command.add_flag("--view-dense", view.dense, "Show the dense static cloud from the start")

@@ -135,6 +135,21 @@ std::map<std::string, std::string> library_versions() {
           {"compiler", __VERSION__}};
 }
 
+RunDescription describe_run(const RunRequest& request, const Sequence& sequence,
+                            const SystemOptions& options, bool has_detector) {
+  RunDescription out{sequence.name(),
+                     has_detector ? options.dynamics.variant : "off",
+                     request.detector + request.detections,  // one is empty
+                     options.deterministic,
+                     request.realtime,
+                     options.tracking.relocalization.seed};
+  if (const auto& file = sequence.groundtruth_file()) {
+    out.groundtruth = fs::absolute(*file).lexically_normal().string();
+  }
+  out.versions = library_versions();
+  return out;
+}
+
 std::string effective_yaml(Configuration configuration) {
   OptionTable table;
   configuration.describe(table);
@@ -175,16 +190,7 @@ Result<RunOutcome> run_sequence(const RunRequest& request) {
     if (auto r = listeners.pictures->finish(); !r) return r.error();
   }
 
-  RunDescription description{sequence->name(),
-                             has_detector ? options.dynamics.variant : "off",
-                             request.detector + request.detections,  // one is empty
-                             options.deterministic,
-                             request.realtime,
-                             options.tracking.relocalization.seed};
-  if (const auto& file = sequence->groundtruth_file()) {
-    description.groundtruth = fs::absolute(*file).lexically_normal().string();
-  }
-  description.versions = library_versions();
+  const RunDescription description = describe_run(request, *sequence, options, has_detector);
   const std::string summary = recorder.summary_json(description, system, wall_s);
   if (auto r = write_results(folder->path(), request, effective_yaml(*configuration), system,
                              recorder, summary);

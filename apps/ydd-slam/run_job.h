@@ -21,7 +21,7 @@ struct ViewRequest {
   bool dense = false;
   bool paused = false;  ///< after the first frame
   double most_redraws_hz = 30;
-  std::string screenshot;  ///< PNG of the window in the end; empty: none
+  std::string screenshot;  ///< of the window in the end, .png or .jpg; empty: none
 };
 
 /// One run as the command line asks for it.

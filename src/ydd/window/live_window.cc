@@ -188,7 +188,9 @@ class LiveWindow::Impl {
 
   Result<void> finish_screenshot() const {
     if (options_.screenshot_at_end.empty() || end_picture_.empty()) return {};
-    return write_png(options_.screenshot_at_end, end_picture_);
+    const fs::path& file = options_.screenshot_at_end;
+    return file.extension() == ".jpg" ? write_jpeg(file, end_picture_)
+                                      : write_png(file, end_picture_);
   }
 
   LiveWindowOptions options_;

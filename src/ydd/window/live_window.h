@@ -16,7 +16,7 @@ struct LiveWindowOptions {
   double most_redraws_hz = 30;              ///< fewer when nothing changes
   bool close_at_end = false;                ///< when the run has ended and its last state was drawn
   bool dense = false;                       ///< the dense cloud is shown from the start
-  std::filesystem::path screenshot_at_end;  ///< PNG of the window in the end; empty: none
+  std::filesystem::path screenshot_at_end;  ///< window in the end; .jpg or PNG; empty: none
   std::filesystem::path screenshot_folder;  ///< where the user's screenshots go
 };
 

@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::int64_t kRenewEvery_ns = 150'000'000;
 constexpr double kTopPitch_rad = 1.55;
-constexpr double kFirstYaw_rad = 0.5;
+constexpr double kFirstYaw_rad = 0.6;
 constexpr double kFirstPitch_rad = 0.5;
-constexpr double kDistance = 1.9;  // of the map's radius
+constexpr double kDistance = 1.5;  // of the map's radius
 
 }  // namespace
 
@@ -104,7 +104,7 @@ void MapView::draw(const gl::Viewport& viewport, const ViewState& state) {
   if (state.points) painter_.points(layers_.points, clip_from_world, 3);
   if (state.covisibility) painter_.lines(layers_.covisibility, clip_from_world, 1);
   if (state.keyframes) painter_.lines(layers_.keyframes, clip_from_world, 1);
-  if (state.points) painter_.points(layers_.seen_points, clip_from_world, 5);
+  if (state.points) painter_.points(layers_.seen_points, clip_from_world, 4);
   painter_.on_top();
   if (state.errors) painter_.lines(layers_.errors, clip_from_world, 1.5F);
   // Truth is a pale band with the estimate inside while they agree.
