@@ -65,9 +65,13 @@ double deviation(const cv::Mat& picture) {
   return deviation[0] + deviation[1] + deviation[2];
 }
 
-/// Mean difference of two pictures per channel, after blurring: fonts and filters may differ.
-double difference(const cv::Mat& a, cv::Mat b) {
-  cv::resize(b, b, a.size(), 0, 0, cv::INTER_AREA);
+/// Mean difference of two pictures per channel, after blurring: fonts and filters may differ. Of
+/// the lower left: saved pictures have a map in the upper right corner and the rate on top.
+double difference(cv::Mat a, cv::Mat b) {
+  cv::resize(b, b, a.size(), 0, 0, cv::INTER_LINEAR);
+  const cv::Rect compared(0, a.rows / 3, a.cols / 2, 2 * a.rows / 3);
+  a = a(compared);
+  b = b(compared);
   cv::Mat soft_a;
   cv::Mat soft_b;
   cv::blur(a, soft_a, {5, 5});
