@@ -83,6 +83,20 @@ void add_view_options(CLI::App& command, ViewRequest& view) {
       ->needs(window);
 }
 
+void add_serve_options(CLI::App& command, RunRequest& request) {
+  CLI::Option* serve =
+      command
+          .add_option_function<std::string>(
+              "--serve", [&request](const std::string& address) { request.serve = address; },
+              "Watch in a browser, at ADDR:PORT (127.0.0.1:8090 unless named; docs/viewing.md)")
+          ->expected(0, 1)
+          ->default_str("");
+  command
+      .add_option("--serve-token", request.serve_token,
+                  "What the browser must know; needed where others can reach the address")
+      ->needs(serve);
+}
+
 Result<void> run_and_tell(const RunRequest& request) {
   const Result<RunOutcome> outcome = run_sequence(request);
   if (!outcome) return outcome.error();
@@ -109,6 +123,7 @@ void add_run_command(CLI::App& app, Job& job) {
   add_method_options(*command, *request);
   add_result_options(*command, *request);
   add_view_options(*command, request->view);
+  add_serve_options(*command, *request);
   command->footer(
       "Examples:\n"
       "  ydd-slam run rgbd_dataset_freiburg1_xyz\n"
@@ -117,6 +132,7 @@ void add_run_command(CLI::App& app, Job& job) {
       "  ydd-slam run my_recording --realtime --detect asynchronous \\\n"
       "      --detector configs/detector/coco_body_head_hand.yaml\n"
       "  ydd-slam run samples/office_crowd --view\n"
+      "  ydd-slam run samples/office_crowd --realtime --serve\n"
       "  ydd-slam run samples/office_crowd --detections samples/office_crowd/detections.jsonl \\\n"
       "      --video office.mp4");
   command->callback(

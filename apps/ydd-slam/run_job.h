@@ -42,6 +42,8 @@ struct RunRequest {
   std::string trajectory_format = "tum";
   SequenceOptions sequence_options;
   ViewRequest view;
+  std::optional<std::string> serve;  ///< address of the live page; empty: the default one
+  std::string serve_token;
   int pictures_every = 1;
   int max_frames = 0;  ///< 0: all
   int seed = -1;       ///< negative: as configured

@@ -77,6 +77,9 @@ Result<void> RunPictures::add(const RgbdFrame& frame, const FrameReport& report,
 }
 
 Result<void> RunPictures::show(const Job& job) {
+  // Somebody who watched had map and trajectory forgotten: ids begin anew.
+  if (job.atlas->revision() < revision_) map_ = MapInset();
+  revision_ = job.atlas->revision();
   map_.add(job.report);
   const bool wanted = !request_.pictures.empty() && job.report.index % request_.pictures_every == 0;
   if (!wanted && !video_) return {};

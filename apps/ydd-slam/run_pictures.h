@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -50,6 +51,7 @@ class RunPictures {
   NewFolders folders_;
   std::optional<VideoFile> video_;  ///< of the other thread until it has finished
   MapInset map_;                    ///< likewise
+  std::uint64_t revision_ = 0;      ///< likewise; of the newest atlas
   std::deque<std::int64_t> times_ns_;
   int left_out_ = 0;
   std::unique_ptr<Background<Job>> background_;  ///< last: stops before the others go

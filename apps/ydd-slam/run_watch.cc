@@ -2,14 +2,42 @@
 #include "run_watch.h"
 
 #include <future>
+#include <memory>
+
+#include <fmt/format.h>
 
 #include "ydd/base/channel.h"
+#include "ydd/viewer/live_server.h"
 #ifdef YDD_HAS_WINDOW
 #include "ydd/window/live_window.h"
 #endif
 
 namespace ydd::app {
 namespace {
+
+/// `feed`, whose failure must not leave watchers waiting.
+Result<void> feed_or_tell(const FeedInput& input, SlamSystem& system, Listeners& listeners,
+                          LiveControl& live) {
+  try {
+    Result<void> fed = feed(input, system, listeners, &live);
+    if (!fed) live.close(LiveEnd::failed);
+    return fed;
+  } catch (...) {
+    live.close(LiveEnd::failed);
+    throw;
+  }
+}
+
+/// The live page, if the request wants one; null otherwise.
+Result<std::unique_ptr<LiveServer>> serve(const RunRequest& request, LiveControl& live) {
+  if (!request.serve) return std::unique_ptr<LiveServer>();
+  const auto options = parse_live_address(*request.serve, request.serve_token);
+  if (!options) return options.error();
+  auto server = LiveServer::start(live, *options);
+  // Also with --quiet: without it the page could not be found.
+  if (server) fmt::print(stderr, "live page: {}\n", (*server)->url());
+  return server;
+}
 
 #ifdef YDD_HAS_WINDOW
 
@@ -21,19 +49,6 @@ LiveWindowOptions window_options(const RunRequest& request, const std::filesyste
   options.screenshot_at_end = request.view.screenshot;
   options.screenshot_folder = folder;
   return options;
-}
-
-/// `feed` in a thread whose failure must not leave watchers waiting.
-Result<void> feed_or_tell(const FeedInput& input, SlamSystem& system, Listeners& listeners,
-                          LiveControl& live) {
-  try {
-    Result<void> fed = feed(input, system, listeners, &live);
-    if (!fed) live.close(LiveEnd::failed);
-    return fed;
-  } catch (...) {
-    live.close(LiveEnd::failed);
-    throw;
-  }
 }
 
 /// The window has the calling thread, as GLFW wants it; the run gets one of its own. That one is
@@ -70,21 +85,23 @@ Result<void> check_watchers(const RunRequest& request) {
         "libepoxy-dev and build again with -DYDD_BUILD_WINDOW=ON"};
   }
 #endif
-  (void)request;
-  return {};
+  if (!request.serve) return {};
+  const auto options = parse_live_address(*request.serve, request.serve_token);
+  return options ? Result<void>() : options.error();
 }
 
 Result<void> feed_watched(const FeedInput& input, SlamSystem& system, Listeners& listeners,
                           bool has_detector, const std::filesystem::path& folder) {
+  const RunRequest& request = input.request;
+  if (!request.view.window && !request.serve) return feed(input, system, listeners, nullptr);
+  LiveControl live(live_scene(input, has_detector));
+  const Result<std::unique_ptr<LiveServer>> server = serve(request, live);
+  if (!server) return server.error();
 #ifdef YDD_HAS_WINDOW
-  if (input.request.view.window) {
-    LiveControl live(live_scene(input, has_detector));
-    return feed_in_window(input, system, listeners, live, folder);
-  }
+  if (request.view.window) return feed_in_window(input, system, listeners, live, folder);
 #endif
-  (void)has_detector;
   (void)folder;
-  return feed(input, system, listeners, nullptr);
+  return feed_or_tell(input, system, listeners, live);
 }
 
 }  // namespace ydd::app
