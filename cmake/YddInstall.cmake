@@ -1,5 +1,4 @@
 # cmake --install and find_package(ydd-slam): the rooms as ydd::<room>, headers under include/ydd.
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 get_property(rooms GLOBAL PROPERTY YDD_ROOMS)
 install(TARGETS ydd_flags ${rooms} EXPORT ydd-slam-targets
