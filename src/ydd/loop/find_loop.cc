@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <functional>
+#include <limits>
 #include <map>
+#include <queue>
 #include <set>
+#include <utility>
 
 #include "ydd/loop/loop_closer.h"
 #include "ydd/tracking/pose_from_matches.h"
@@ -77,22 +81,41 @@ bool is_consistent(const Atlas& atlas, const LoopMatch& match, const LoopOptions
   return agreeing >= options.consistent_keyframes;
 }
 
-/// How far the camera went between two keyframes of one map, metres.
-double travelled_m(const Atlas& atlas, const KeyFrame& from, const KeyFrame& to) {
-  std::map<std::int64_t, Eigen::Vector3d> way;
-  atlas.keyframes().for_each([&](KeyFrameId, const KeyFrame& keyframe) {
-    const bool between = keyframe.serial >= from.serial && keyframe.serial <= to.serial;
-    if (between && keyframe.map == to.map) {
-      way[keyframe.serial] = keyframe.T_world_camera.translation();
-    }
-  });
-  double sum_m = 0;
-  const Eigen::Vector3d* last = nullptr;
-  for (const auto& [serial, p_world] : way) {
-    if (last) sum_m += (p_world - *last).norm();
-    last = &p_world;
+/// The shortest way between two keyframes of a map along shared points, the spanning tree and
+/// loops, metres: what drift between them can have come from. A room that is visited again and
+/// again does not drift from its neighbour, however long the camera walks.
+/// (Dijkstra, "A note on two problems in connexion with graphs", 1959.)
+double way_m(const Atlas& atlas, KeyFrameId from, KeyFrameId to) {
+  std::map<KeyFrameId, std::vector<KeyFrameId>> children;
+  atlas.keyframes().for_each(
+      [&](KeyFrameId id, const KeyFrame& keyframe) { children[keyframe.parent].push_back(id); });
+  using Reached = std::pair<double, KeyFrameId>;
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> front;
+  std::map<KeyFrameId, double> best{{from, 0.0}};
+  front.push({0.0, from});
+  while (!front.empty()) {
+    const auto [reached_m, id] = front.top();
+    front.pop();
+    if (id == to) return reached_m;
+    if (reached_m > best.at(id)) continue;
+    const KeyFrame& keyframe = atlas.at(id);
+    const auto step = [&, reached_m = reached_m](KeyFrameId next) {
+      const KeyFrame* other = atlas.find(next);
+      if (!other || other->map != keyframe.map) return;
+      const double there_m =
+          reached_m +
+          (other->T_world_camera.translation() - keyframe.T_world_camera.translation()).norm();
+      const auto [entry, is_new] = best.try_emplace(next, there_m);
+      if (!is_new && entry->second <= there_m) return;
+      entry->second = there_m;
+      front.push({there_m, next});
+    };
+    for (const Covisible& c : keyframe.covisible) step(c.keyframe);
+    for (const KeyFrameId next : keyframe.loops) step(next);
+    for (const KeyFrameId next : children[id]) step(next);
+    step(keyframe.parent);
   }
-  return sum_m;
+  return std::numeric_limits<double>::infinity();
 }
 
 /// Whether odometry can be as wrong as the match says.
@@ -100,10 +123,11 @@ bool is_plausible_drift(const Atlas& atlas, const LoopMatch& match, const LoopOp
   const KeyFrame& current = atlas.at(match.current);
   const KeyFrame& matched = atlas.at(match.matched);
   if (current.map != matched.map) return true;
-  const double way_m = travelled_m(atlas, matched, current);
+  const double length_m = way_m(atlas, match.matched, match.current);
   const SE3 drift = current.T_world_camera.inverse() * match.T_world_current;
-  return drift.translation().norm() <= options.max_drift_m + options.max_drift_share * way_m &&
-         drift.angle_rad() <= options.max_turn_drift_rad + options.max_turn_drift_rad_per_m * way_m;
+  return drift.translation().norm() <= options.max_drift_m + options.max_drift_share * length_m &&
+         drift.angle_rad() <=
+             options.max_turn_drift_rad + options.max_turn_drift_rad_per_m * length_m;
 }
 
 /// Keyframes in which a loop may be found, best first, one a place.
