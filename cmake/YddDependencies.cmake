@@ -16,6 +16,7 @@ find_package(SQLite3 REQUIRED)
 # Serves the live page.
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
+find_package(octomap QUIET) # optional: map export --octomap
 # Draws the plots of reports; embedded in the programme.
 find_file(YDD_DYGRAPHS_JS dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH
           REQUIRED)

@@ -20,6 +20,7 @@ void add_options_command(CLI::App& app, Job& job);
 void add_eval_command(CLI::App& app, Job& job);
 void add_report_command(CLI::App& app, Job& job);
 void add_detect_command(CLI::App& app, Job& job);
+void add_map_command(CLI::App& app, Job& job);
 void add_simulate_command(CLI::App& app, Job& job);
 
 }  // namespace ydd::app

@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   ydd::app::add_options_command(app, job);
   ydd::app::add_eval_command(app, job);
   ydd::app::add_report_command(app, job);
+  ydd::app::add_map_command(app, job);
   ydd::app::add_detect_command(app, job);
   ydd::app::add_simulate_command(app, job);
   try {

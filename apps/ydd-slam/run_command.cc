@@ -18,6 +18,10 @@ void add_input_options(CLI::App& command, RunRequest& request) {
                      "File that pairs colour and depth images");
   command.add_option("--max-difference", request.sequence_options.max_difference_s,
                      "Largest time between paired images in seconds");
+  command
+      .add_option("--start-frame", request.sequence_options.first_frame,
+                  "Leave out so many frames at the beginning")
+      ->check(CLI::Range(0, 1000000000));
   command.add_option("--max-frames", request.max_frames, "Stop after so many frames");
   command.add_flag("--strict", request.strict, "A frame that cannot be read ends the run");
   command.add_flag("--realtime", request.realtime, "Keep the camera's pace, drop what is late");
@@ -39,6 +43,18 @@ void add_method_options(CLI::App& command, RunRequest& request) {
   command.add_option("--objects", request.objects, "Object catalogue YAML (configs/objects.yaml)");
   command.add_option("--seed", request.seed, "Seed of every random choice");
   command.add_flag("--deterministic", request.deterministic, "Equal results to the byte");
+}
+
+void add_map_options(CLI::App& command, RunRequest& request) {
+  auto* map = command.add_option("--map", request.map,
+                                 "Map file to go on with: find one's place in it, extend it");
+  auto* save = command.add_option("--save-map", request.save_map,
+                                  "Map file to write, every few seconds and at the end");
+  command
+      .add_flag("--localization-only", request.localization_only,
+                "Use the map of --map without changing it")
+      ->needs(map)
+      ->excludes(save);
 }
 
 void add_result_options(CLI::App& command, RunRequest& request) {
@@ -121,6 +137,7 @@ void add_run_command(CLI::App& app, Job& job) {
   auto* command = app.add_subcommand("run", "Track the camera through an RGB-D sequence");
   add_input_options(*command, *request);
   add_method_options(*command, *request);
+  add_map_options(*command, *request);
   add_result_options(*command, *request);
   add_view_options(*command, request->view);
   add_serve_options(*command, *request);
@@ -134,7 +151,10 @@ void add_run_command(CLI::App& app, Job& job) {
       "  ydd-slam run samples/office_crowd --view\n"
       "  ydd-slam run samples/office_crowd --realtime --serve\n"
       "  ydd-slam run samples/office_crowd --detections samples/office_crowd/detections.jsonl \\\n"
-      "      --video office.mp4");
+      "      --video office.mp4\n"
+      "  ydd-slam run monday --save-map office.map\n"
+      "  ydd-slam run tuesday --map office.map --save-map office.map\n"
+      "  ydd-slam run wednesday --map office.map --localization-only");
   command->callback(
       [request, &job] { job = [request]() -> Result<void> { return run_and_tell(*request); }; });
 }

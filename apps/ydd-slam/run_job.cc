@@ -8,6 +8,7 @@
 #include "moment_files.h"
 #include "run_folder.h"
 #include "run_job.h"
+#include "run_map.h"
 #include "run_pictures.h"
 #include "run_report.h"
 #include "run_watch.h"
@@ -170,6 +171,8 @@ Result<RunOutcome> run_sequence(const RunRequest& request) {
   if (!catalogue) return catalogue.error();
   Result<std::unique_ptr<Detector>> detector = make_run_detector(request, *catalogue);
   if (!detector) return detector.error();
+  Result<std::optional<Atlas>> map = open_run_map(request, camera, options);
+  if (!map) return map.error();
   Result<RunFolder> folder = RunFolder::make(request.out, sequence->name());
   if (!folder) return folder.error();
   Listeners listeners;
@@ -178,7 +181,8 @@ Result<RunOutcome> run_sequence(const RunRequest& request) {
   listeners.pictures = *std::move(pictures);
 
   const bool has_detector = *detector != nullptr;
-  SlamSystem system(camera, options, *catalogue, std::move(*detector));
+  SlamSystem system(camera, options, *catalogue, std::move(*detector), std::move(*map));
+  if (auto r = prepare_run_map(request, system); !r) return r.error();
   const RunRecorder& recorder = listeners.recorder;
   const std::int64_t start_ns = wall_clock_ns();
   const FeedInput input{*sequence, camera, request, *catalogue};
@@ -186,6 +190,7 @@ Result<RunOutcome> run_sequence(const RunRequest& request) {
     return r.error();
   }
   const double wall_s = static_cast<double>(wall_clock_ns() - start_ns) * 1e-9;
+  if (auto r = save_run_map(request, system); !r) return r.error();
   if (listeners.pictures) {
     if (auto r = listeners.pictures->finish(); !r) return r.error();
   }

@@ -38,6 +38,9 @@ struct RunRequest {
   std::string objects;   ///< object catalogue; empty: the built-in one
   std::string pictures;  ///< folder for annotated frames; empty: none
   std::string video;     ///< file for a video of annotated frames; empty: none
+  std::string map;       ///< file to go on with; empty: none
+  std::string save_map;  ///< file to save to; empty: none
+  bool localization_only = false;  ///< use the map, do not change it
   std::string dynamic;
   std::string trajectory_format = "tum";
   SequenceOptions sequence_options;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -108,6 +109,47 @@ class Table {
     out.reserve(size_);
     for_each([&](IdType id, const T&) { out.push_back(id); });
     return out;
+  }
+
+  /// Ids that freed slots had last, in the order in which they were freed: the last is reused
+  /// first.
+  std::vector<IdType> freed() const {
+    std::vector<IdType> out;
+    out.reserve(free_.size());
+    for (const std::uint32_t slot : free_) {
+      out.push_back({slot, chunks_[slot / kChunk]->slots[slot % kChunk].generation});
+    }
+    return out;
+  }
+
+  /// A table that gives and finds the same ids as the one that had these values and freed slots.
+  /// Nothing unless the slots of both together are 0, 1, ... without gap and every id is valid.
+  static std::optional<Table> restore(std::vector<std::pair<IdType, T>> values,
+                                      const std::vector<IdType>& freed) {
+    Table table;
+    table.slots_ = static_cast<std::uint32_t>(values.size() + freed.size());
+    while (table.chunks_.size() * kChunk < table.slots_) {
+      table.chunks_.push_back(std::make_shared<Chunk>(table.epoch_));
+    }
+    const auto claim = [&](IdType id) -> Slot* {
+      if (!id.valid() || id.slot >= table.slots_) return nullptr;
+      Slot& s = table.chunks_[id.slot / kChunk]->slots[id.slot % kChunk];
+      if (s.generation != 0) return nullptr;  // named twice
+      s.generation = id.generation;
+      s.epoch = table.epoch_;
+      return &s;
+    };
+    for (auto& [id, value] : values) {
+      Slot* const s = claim(id);
+      if (!s) return std::nullopt;
+      s->value = std::make_shared<T>(std::move(value));
+    }
+    for (const IdType id : freed) {
+      if (!claim(id)) return std::nullopt;
+      table.free_.push_back(id.slot);
+    }
+    table.size_ = values.size();
+    return table;
   }
 
   /// An immutable copy that later edits of this table do not touch. O(slots / 64).

@@ -242,5 +242,35 @@ TEST(Table, SnapshotsCanBeReadWhileTheOwnerEdits) {
   }
 }
 
+TEST(Table, ComesBackFromItsPartsDownToTheIdsItWillGive) {
+  Table<int, AnimalTag> table;
+  std::vector<AnimalId> ids;
+  for (int i = 0; i < 150; ++i) ids.push_back(table.insert(i));
+  for (const int gone : {3, 70, 149, 4}) table.erase(ids[static_cast<std::size_t>(gone)]);
+  ids[70] = table.insert(700);  // slot 4 again
+  std::vector<std::pair<AnimalId, int>> values;
+  table.for_each([&](AnimalId id, int value) { values.emplace_back(id, value); });
+  auto restored = Table<int, AnimalTag>::restore(values, table.freed());
+  ASSERT_TRUE(restored.has_value());
+  EXPECT_EQ(restored->size(), table.size());
+  EXPECT_EQ(restored->ids(), table.ids());
+  EXPECT_EQ(restored->find(ids[3]), nullptr);
+  EXPECT_EQ(restored->at(ids[70]), 700);
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(restored->insert(i), table.insert(i));
+  const auto snapshot = restored->snapshot();
+  restored->edit(ids[0]) = -1;
+  EXPECT_EQ(snapshot.at(ids[0]), 0);
+}
+
+TEST(Table, PartsThatLeaveGapsOrOverlapGiveNothing) {
+  using Animals = Table<int, AnimalTag>;
+  EXPECT_TRUE(Animals::restore({}, {}).has_value());
+  EXPECT_TRUE(Animals::restore({{{1, 1}, 5}}, {{0, 2}}).has_value());
+  EXPECT_FALSE(Animals::restore({{{1, 1}, 5}}, {}).has_value());
+  EXPECT_FALSE(Animals::restore({{{0, 1}, 5}, {{0, 2}, 6}}, {}).has_value());
+  EXPECT_FALSE(Animals::restore({{{0, 1}, 5}}, {{0, 1}}).has_value());
+  EXPECT_FALSE(Animals::restore({{{0, 0}, 5}}, {}).has_value());
+}
+
 }  // namespace
 }  // namespace ydd

@@ -119,6 +119,14 @@ Result<Sequence> Sequence::open(const fs::path& folder, const SequenceOptions& o
   Sequence sequence;
   sequence.folder_ = folder;
   sequence.entries_ = *std::move(entries);
+  if (options.first_frame > 0) {
+    if (static_cast<std::size_t>(options.first_frame) >= sequence.size()) {
+      return Error{fmt::format("{}: has {} frames, none of them is number {}", folder.string(),
+                               sequence.size(), options.first_frame)};
+    }
+    sequence.entries_.erase(sequence.entries_.begin(),
+                            sequence.entries_.begin() + options.first_frame);
+  }
   const fs::path truth = folder / "groundtruth.txt";
   if (fs::exists(truth)) sequence.groundtruth_file_ = truth;
   return sequence;

@@ -70,6 +70,7 @@ Judgement judge_scene(const DynamicsOptions& options, const Scene& scene,
                             features.depth_m[i]};
     judgement.rules.push_back(rule_of(point, regions, scene.depth_m, point_options));
   }
+  judgement.regions = std::move(regions);
   return judgement;
 }
 

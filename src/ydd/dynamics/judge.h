@@ -11,6 +11,7 @@
 #include "ydd/dynamics/depth_range.h"
 #include "ydd/dynamics/dynamics_options.h"
 #include "ydd/dynamics/observations.h"
+#include "ydd/dynamics/point_rules.h"
 #include "ydd/dynamics/scene_switch.h"
 #include "ydd/features/features.h"
 #include "ydd/image/image.h"
@@ -35,6 +36,7 @@ struct Judgement {
   bool dynamic_frame = false;
   std::vector<Rule> rules;  ///< one for each keypoint
   std::vector<ObjectJudgement> objects;
+  std::vector<MovingRegion> regions;  ///< all that points were judged by
 
   int rejected() const;
 };

@@ -2,6 +2,7 @@
 #include "ydd/geometry/se3.h"
 
 #include <cmath>
+#include <stdexcept>
 
 #include <Eigen/LU>
 
@@ -41,6 +42,17 @@ Eigen::Matrix4d SE3::matrix() const {
   m.topLeftCorner<3, 3>() = rotation_matrix();
   m.topRightCorner<3, 1>() = translation_;
   return m;
+}
+
+SE3 SE3::from_stored(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation) {
+  // Written so that what is not a number fails as well.
+  if (!(std::abs(rotation.squaredNorm() - 1.0) < 2e-9) || !translation.allFinite()) {
+    throw std::logic_error("SE3: stored numbers are no rigid motion");
+  }
+  SE3 out;
+  out.rotation_ = rotation;
+  out.translation_ = translation;
+  return out;
 }
 
 SE3 SE3::inverse() const {

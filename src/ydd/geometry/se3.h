@@ -20,6 +20,10 @@ class SE3 {
   SE3(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation)
       : SE3(Eigen::Quaterniond(rotation), translation) {}
 
+  /// Takes the numbers as they are, to restore a stored motion bit by bit. @throws std::logic_error
+  /// unless the quaternion has unit length within 1e-9 and all is finite.
+  static SE3 from_stored(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation);
+
   const Eigen::Quaterniond& rotation() const { return rotation_; }
   const Eigen::Vector3d& translation() const { return translation_; }
   Eigen::Matrix3d rotation_matrix() const { return rotation_.toRotationMatrix(); }

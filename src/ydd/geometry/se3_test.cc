@@ -134,5 +134,17 @@ TEST(Se3, ManyProductsStayRigid) {
   EXPECT_LT((R * R.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-13);
 }
 
+TEST(Se3, StoredNumbersComeBackBitByBit) {
+  std::mt19937 random(7);
+  for (int i = 0; i < 1000; ++i) {
+    const SE3 T = SE3::exp(random_twist(random, 3.0, 2.0));
+    const SE3 again = SE3::from_stored(T.rotation(), T.translation());
+    EXPECT_EQ(again.rotation().coeffs(), T.rotation().coeffs());
+    EXPECT_EQ(again.translation(), T.translation());
+  }
+  EXPECT_THROW(SE3::from_stored({1, 1, 0, 0}, {0, 0, 0}), std::logic_error);
+  EXPECT_THROW(SE3::from_stored({1, 0, 0, 0}, {0, NAN, 0}), std::logic_error);
+}
+
 }  // namespace
 }  // namespace ydd

@@ -46,14 +46,20 @@ class EssentialGraph {
   PoseGraph graph_;
 };
 
+/// Moves the younger map, whichever of the two was seen again: the world of a map that somebody
+/// saved or counts on must not move because a newcomer met it.
 Correction weld(const Atlas& atlas, const LoopMatch& match) {
+  const SE3 T_matched_current =
+      match.T_world_current * atlas.at(match.current).T_world_camera.inverse();
+  const bool current_is_younger = atlas.at(match.matched).map < atlas.at(match.current).map;
+  const KeyFrameId moving = current_is_younger ? match.current : match.matched;
+  const KeyFrameId staying = current_is_younger ? match.matched : match.current;
+  const SE3 T_new_old = current_is_younger ? T_matched_current : T_matched_current.inverse();
   Correction correction;
-  const KeyFrame& current = atlas.at(match.current);
-  const SE3 T_new_old = match.T_world_current * current.T_world_camera.inverse();
-  for (const KeyFrameId id : keyframes_of(atlas, current.map)) {
+  for (const KeyFrameId id : keyframes_of(atlas, atlas.at(moving).map)) {
     correction.T_world_keyframe[id] = T_new_old * atlas.at(id).T_world_camera;
   }
-  correction.seam = Correction::Seam{match.current, match.matched};
+  correction.seam = Correction::Seam{moving, staying};
   return correction;
 }
 

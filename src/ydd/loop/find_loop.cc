@@ -132,14 +132,15 @@ bool is_plausible_drift(const Atlas& atlas, const LoopMatch& match, const LoopOp
 
 /// Keyframes in which a loop may be found, best first, one a place.
 std::vector<KeyFrameId> loop_candidates(const Atlas& atlas, KeyFrameId current,
-                                        const LoopOptions& options) {
+                                        const LoopOptions& options,
+                                        const std::function<bool(KeyFrameId)>& among) {
   const KeyFrame& keyframe = atlas.at(current);
   const std::set<KeyFrameId> known = connected(atlas, current);
   const auto admit = [&](KeyFrameId id) {
     const KeyFrame& other = atlas.at(id);
     const bool old =
         other.map != keyframe.map || other.serial + options.min_age_keyframes <= keyframe.serial;
-    return old && !known.contains(id);
+    return old && !known.contains(id) && (!among || among(id));
   };
   constexpr std::size_t kPerPlace = 6;  // keyframes of one place that look much the same
   const auto wanted = static_cast<std::size_t>(options.candidates);
@@ -173,10 +174,11 @@ std::optional<LoopMatch> match_candidate(const Atlas& atlas, KeyFrameId current,
 }  // namespace
 
 std::optional<LoopMatch> find_loop(const Atlas& atlas, KeyFrameId current,
-                                   const LoopOptions& options) {
+                                   const LoopOptions& options,
+                                   const std::function<bool(KeyFrameId)>& among) {
   const KeyFrame* keyframe = atlas.find(current);
   if (!keyframe || !keyframe->words || !options.enabled) return std::nullopt;
-  const std::vector<KeyFrameId> candidates = loop_candidates(atlas, current, options);
+  const std::vector<KeyFrameId> candidates = loop_candidates(atlas, current, options, among);
   for (const KeyFrameId candidate : candidates) {
     const auto match = match_candidate(atlas, current, candidate, candidates, options);
     if (match && is_plausible_drift(atlas, *match, options) &&

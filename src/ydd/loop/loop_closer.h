@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <stop_token>
 
@@ -48,12 +49,14 @@ struct LoopMatch {
 /// Places that look alike pass all of this. Within one map odometry tells them apart: a loop that
 /// asks for more correction than a camera can have drifted on its way from one keyframe to the
 /// other is none. Between maps nothing is known, so the place must be unlike every other one.
+/// With `among` only keyframes that it lets through are looked at.
 std::optional<LoopMatch> find_loop(const Atlas& atlas, KeyFrameId current,
-                                   const LoopOptions& options);
+                                   const LoopOptions& options,
+                                   const std::function<bool(KeyFrameId)>& among = {});
 
 /// Spreads the correction of a loop over the map: pose-graph optimisation over the essential graph
-/// (spanning tree, strong covisibility, earlier loops). If the match is in another map, that map
-/// stays and the current one is moved onto it rigidly.
+/// (spanning tree, strong covisibility, earlier loops). If the match is in another map, the
+/// older of the two stays and the younger is moved onto it rigidly.
 /// Mur-Artal and Tardos, "ORB-SLAM2", IEEE T-RO 2017, section III-D.
 Correction correct_loop(const Atlas& atlas, const LoopMatch& match, const LoopOptions& options);
 

@@ -193,6 +193,22 @@ TEST(CorrectLoop, AnotherMapIsMovedRigidlyOntoTheOlderOne) {
   }
 }
 
+TEST(CorrectLoop, TheYoungerMapMovesAlsoWhenTheOlderOneMeetsIt) {
+  const TwoVisits visits = two_visits(small_drift(), true, true);
+  const auto match = find_loop(visits.atlas, visits.old_keyframes[2], quick_options());
+  ASSERT_TRUE(match.has_value());
+  ASSERT_NE(visits.atlas.at(match->matched).map, visits.first_map);
+  const Correction correction = correct_loop(visits.atlas, *match, quick_options());
+  ASSERT_EQ(correction.T_world_keyframe.size(), visits.new_keyframes.size());
+  ASSERT_TRUE(correction.seam.has_value());
+  EXPECT_EQ(correction.seam->matched, visits.old_keyframes[2]);
+  for (std::size_t i = 0; i < visits.new_keyframes.size(); ++i) {
+    const SE3 error =
+        visits.T_world_new[i].inverse() * correction.T_world_keyframe.at(visits.new_keyframes[i]);
+    EXPECT_LT(error.translation().norm(), 0.03);
+  }
+}
+
 TEST(FullBundle, ReducesTheErrorOfAShakenMap) {
   TwoVisits visits = two_visits(SE3(), true);
   Vector6d twist;

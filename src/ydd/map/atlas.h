@@ -6,13 +6,30 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "ydd/base/result.h"
 #include "ydd/base/table.h"
 #include "ydd/geometry/camera.h"
 #include "ydd/map/map_types.h"
 
 namespace ydd {
+
+/// Everything that an atlas consists of, as data: how a stored one comes back.
+struct AtlasParts {
+  Camera camera;
+  PyramidScales scales;
+  std::vector<std::pair<KeyFrameId, KeyFrame>> keyframes;
+  std::vector<KeyFrameId> freed_keyframes;  ///< as Table::freed
+  std::vector<std::pair<MapPointId, MapPoint>> points;
+  std::vector<MapPointId> freed_points;
+  std::map<KeyFrameId, CulledKeyFrame> culled;
+  std::uint64_t revision = 0;
+  KeyFrameId newest;
+  std::int64_t next_serial = 0;
+  std::uint32_t maps = 0;
+};
 
 /// All maps of a run: keyframes, landmarks, and who sees what.
 ///
@@ -25,6 +42,11 @@ namespace ydd {
 class Atlas {
  public:
   Atlas(const Camera& camera, const PyramidScales& scales);
+
+  /// An atlas from its parts, down to the ids that it will give next. Lists of points per keyframe
+  /// are made from the sightings; what they hold is ignored. Failure: the first thing that does not
+  /// fit together, without a file name.
+  static Result<Atlas> restore(AtlasParts parts);
 
   const Camera& camera() const { return camera_; }
   const PyramidScales& scales() const { return scales_; }
@@ -83,6 +105,12 @@ class Atlas {
 
   /// The map that a keyframe belongs to, also of a culled one. Empty for an id that never was.
   MapId map_of(KeyFrameId id) const;
+
+  const std::map<KeyFrameId, CulledKeyFrame>& culled() const { return *culled_; }
+  /// What the next keyframe will be numbered.
+  std::int64_t next_serial() const { return next_serial_; }
+  /// How many maps have been named.
+  std::uint32_t maps() const { return maps_; }
 
   /// The keyframe added last that is still kept; empty when there is none.
   KeyFrameId newest_keyframe() const { return newest_; }

@@ -7,8 +7,8 @@
 
 namespace ydd {
 
-/// The whole map as text, every number bit by bit (hexadecimal floating point), in slot order: two
-/// maps are equal exactly if their dumps are.
+/// The whole map as text, every number bit by bit (hexadecimal floating point), in slot order; of
+/// keypoints and pictures a checksum. Two maps are equal if their dumps are.
 std::string dump_map(const Atlas& atlas);
 
 }  // namespace ydd

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,6 +44,16 @@ struct Covisible {
   friend bool operator==(const Covisible&, const Covisible&) = default;
 };
 
+/// What a keyframe keeps of its picture for a dense cloud: half as wide and high as the image (not
+/// undistorted), everything that was judged to move cut out of both.
+struct KeyFramePicture {
+  int width_px = 0;
+  int height_px = 0;
+  std::string colour_jpeg;  ///< neutral grey where there is no depth
+  std::string depth_png;    ///< 16 bit, millimetres along the optical axis; 0: none, or cut out
+  friend bool operator==(const KeyFramePicture&, const KeyFramePicture&) = default;
+};
+
 /// A frame that the map keeps: a plain immutable value that names points by id.
 struct KeyFrame {
   std::int64_t serial = 0;  ///< order of creation; never reused
@@ -56,8 +67,9 @@ struct KeyFrame {
   KeyFrameId parent;                         ///< in the spanning tree; empty for a map's first
   std::vector<Covisible> covisible;          ///< heaviest first; ties by serial
 
-  std::vector<KeyFrameId> loops;            ///< keyframes it closed a loop with
-  std::shared_ptr<const BagOfWords> words;  ///< what it looks like, for place recognition
+  std::vector<KeyFrameId> loops;                   ///< keyframes it closed a loop with
+  std::shared_ptr<const BagOfWords> words;         ///< what it looks like, for place recognition
+  std::shared_ptr<const KeyFramePicture> picture;  ///< null: not kept
 
   const Features& features() const { return observations->features; }
 };

@@ -2,6 +2,7 @@
 #include "ydd/mapping/mapper.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "ydd/mapping/apply_correction.h"
 #include "ydd/mapping/fuse.h"
@@ -23,7 +24,10 @@ void MapperOptions::describe(OptionTable& t) {
 }
 
 Mapper::Mapper(const Camera& camera, const PyramidScales& scales, const MapperOptions& options)
-    : options_(options), atlas_(camera, scales) {}
+    : Mapper(Atlas(camera, scales), options) {}
+
+Mapper::Mapper(Atlas atlas, const MapperOptions& options)
+    : options_(options), atlas_(std::move(atlas)) {}
 
 MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token stop) {
   MapperReport report;
@@ -74,6 +78,10 @@ KeyFrameId Mapper::insert(const KeyFrameCandidate& candidate) {
   keyframe.observations = frame.observations;
   keyframe.grid = frame.grid;
   keyframe.points = frame.points;
+  if (frame.picture) {
+    keyframe.picture =
+        std::make_shared<const KeyFramePicture>(make_keyframe_picture(*frame.picture));
+  }
   keyframe.words = std::make_shared<const BagOfWords>(
       bag_of_words(builtin_vocabulary(), frame.features().descriptors));
   const auto T_world_reference = atlas_.T_world_keyframe(candidate.reference);

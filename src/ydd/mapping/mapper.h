@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "ydd/base/timing.h"
@@ -48,6 +49,8 @@ struct MapperReport {
 class Mapper {
  public:
   Mapper(const Camera& camera, const PyramidScales& scales, const MapperOptions& options);
+  /// Goes on with a map that was made before.
+  Mapper(Atlas atlas, const MapperOptions& options);
 
   /// Takes a candidate into the map. `stop` interrupts bundle adjustment (the map stays valid).
   MapperReport process(const KeyFrameCandidate& candidate, std::stop_token stop = {});
@@ -58,6 +61,8 @@ class Mapper {
   /// The map as it is, immutable.
   std::shared_ptr<const Atlas> snapshot() { return atlas_.snapshot(); }
   const Atlas& atlas() const { return atlas_; }
+  /// The map itself, when nothing more is to be mapped.
+  Atlas take_atlas() && { return std::move(atlas_); }
 
  private:
   KeyFrameId insert(const KeyFrameCandidate& candidate);

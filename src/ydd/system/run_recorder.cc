@@ -116,6 +116,7 @@ std::map<std::string, RunRecorder::Series> RunRecorder::mapper_series(const Slam
   const MappingReports reports = system.mapping_reports();
   for (const MapperReport& report : reports.keyframes) add(report.times);
   add(reports.loop_times);
+  add(system.save_times());
   return stages;
 }
 

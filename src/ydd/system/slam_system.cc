@@ -3,14 +3,26 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
 #include <utility>
+
+#include "ydd/map/map_file.h"
 
 namespace ydd {
 namespace {
 
-std::unique_ptr<MappingRunner> make_mapping(const Camera& camera, const SystemOptions& options) {
-  Mapper mapper(camera, PyramidScales::make(options.orb.levels, options.orb.scale_step),
-                options.mapping);
+/// The map to start with: the given one, or an empty one.
+Atlas initial_atlas(const Camera& camera, const SystemOptions& options, std::optional<Atlas> map) {
+  const PyramidScales scales = PyramidScales::make(options.orb.levels, options.orb.scale_step);
+  if (!map) return {camera, scales};
+  if (!check_same_camera(map->camera(), camera) || !check_same_scales(map->scales(), scales)) {
+    throw std::logic_error("SlamSystem: a map of another camera or pyramid");
+  }
+  return std::move(*map);
+}
+
+std::unique_ptr<MappingRunner> make_mapping(Atlas atlas, const SystemOptions& options) {
+  Mapper mapper(std::move(atlas), options.mapping);
   return options.deterministic ? make_inline_mapping(std::move(mapper), options.loop)
                                : make_threaded_mapping(std::move(mapper), options.loop);
 }
@@ -28,13 +40,14 @@ DetectOptions detect_options(const SystemOptions& options) {
 }  // namespace
 
 SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
-                       ObjectCatalogue catalogue, std::unique_ptr<Detector> detector)
+                       ObjectCatalogue catalogue, std::unique_ptr<Detector> detector,
+                       std::optional<Atlas> map)
     : camera_(camera),
       options_(options),
       extractor_(options.orb),
       judge_(options.dynamics, std::move(catalogue)),
-      tracker_(options.tracking),
-      mapping_(make_mapping(camera, options)) {
+      tracker_(options.tracking, map && !map->keyframes().empty()),
+      mapping_(make_mapping(initial_atlas(camera, options, std::move(map)), options)) {
   if (!detector) return;
   if (options.detect.asynchronous()) {
     asynchronous_ =
@@ -61,6 +74,7 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
     report.observations = std::make_shared<const Observations>(observe(features, report.judgement));
   }
   track(frame, report);
+  if (saver_) saver_->offer(atlas());
   total_timer.stop();
   report.times.push_back(total.front());
   return report;
@@ -93,6 +107,10 @@ void SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   tracked.index = frame.index;
   tracked.stamp = frame.stamp;
   tracked.observations = report.observations;
+  if (options_.map.pictures) {
+    tracked.picture = std::make_shared<const PictureSource>(
+        PictureSource{frame.colour, frame.depth_m, report.judgement.regions});
+  }
   {
     StageTimer timer(report.times, "grid");
     tracked.grid = std::make_shared<const KeypointGrid>(report.observations->features, camera_);
@@ -119,7 +137,7 @@ bool SlamSystem::submit(KeyFrameCandidate candidate) {
 void SlamSystem::reset() {
   const Variant variant = judge_.options().parsed_variant();
   mapping_->finish();
-  mapping_ = make_mapping(camera_, options_);
+  mapping_ = make_mapping(initial_atlas(camera_, options_, std::nullopt), options_);
   tracker_ = Tracker(options_.tracking);
   judge_ = DynamicsJudge(options_.dynamics, judge_.catalogue());
   judge_.set_variant(variant);
@@ -127,6 +145,20 @@ void SlamSystem::reset() {
 }
 
 void SlamSystem::finish() { mapping_->finish(); }
+
+Result<void> SlamSystem::autosave_to(const std::filesystem::path& file) {
+  Result<MapWriter> writer = MapWriter::open(file);
+  if (!writer) return writer.error();
+  saver_ = std::make_unique<MapSaver>(std::move(*writer), options_.map.autosave_s);
+  return {};
+}
+
+Result<void> SlamSystem::save_map(const std::filesystem::path& file) {
+  if (saver_ && saver_->file() == std::filesystem::weakly_canonical(file)) {
+    return saver_->save(atlas());
+  }
+  return ydd::save_map(*atlas(), file);
+}
 
 MapId SlamSystem::main_map() const {
   const auto map = atlas();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "ydd/dataset/trajectory.h"
 #include "ydd/dynamics/judge.h"
 #include "ydd/system/detector_runner.h"
+#include "ydd/system/map_saver.h"
 #include "ydd/system/mapping_runner.h"
 #include "ydd/system/system_options.h"
 
@@ -42,8 +44,12 @@ struct TrajectoryEntry {
 class SlamSystem {
  public:
   /// `detector` may be null: then nothing is ever judged to move.
+  /// With `map` it starts lost in that map and goes on with it once it has found its place, or
+  /// starts a further map when that takes too long.
+  /// @throws std::logic_error unless camera and pyramid are those of the map (check_same_camera,
+  /// check_same_scales).
   SlamSystem(const Camera& camera, const SystemOptions& options, ObjectCatalogue catalogue,
-             std::unique_ptr<Detector> detector);
+             std::unique_ptr<Detector> detector, std::optional<Atlas> map = std::nullopt);
 
   /// Fails only when the detector cannot judge the frame.
   Result<FrameReport> process(const RgbdFrame& frame);
@@ -54,8 +60,20 @@ class SlamSystem {
 
   /// Forgets every map, the trajectory and what is known of persons; the next frame starts the
   /// first map again, with the variant of now. Waits until the mapper has worked off what it has.
-  /// Ids given out so far mean nothing afterwards.
+  /// Ids given out so far mean nothing afterwards. Mapping goes on also if it was switched off, and
+  /// an autosave file will hold the new map.
   void reset();
+
+  /// Whether the map is used without being changed: no keyframe is inserted and no map started. May
+  /// be switched between any two frames; what the mapper already has is still worked off.
+  void set_localization_only(bool on) { tracker_.set_localization_only(on); }
+  bool localization_only() const { return tracker_.localization_only(); }
+
+  /// From now on saves the map to `file` every `map.autosave` seconds, from a snapshot and in a
+  /// thread of its own. Failure: as MapWriter::open. Later failures are logged.
+  Result<void> autosave_to(const std::filesystem::path& file);
+  /// Saves the map as it is now, whole when it returns; also after `finish`.
+  Result<void> save_map(const std::filesystem::path& file);
 
   /// Works off what the mapper still has. Afterwards nothing may be processed.
   void finish();
@@ -68,6 +86,8 @@ class SlamSystem {
   StampedPoses keyframe_trajectory() const;
   std::shared_ptr<const Atlas> atlas() const { return mapping_->atlas(); }
   MappingReports mapping_reports() const { return mapping_->reports(); }
+  /// How long each save to the autosave file took; complete after `finish`.
+  StageTimes save_times() const { return saver_ ? saver_->times() : StageTimes(); }
 
  private:
   Features extract(const RgbdFrame& frame, FrameReport& report);
@@ -84,6 +104,7 @@ class SlamSystem {
   std::unique_ptr<MappingRunner> mapping_;
   std::unique_ptr<DetectorRunner> detector_;             // of every frame
   std::unique_ptr<AsynchronousDetection> asynchronous_;  // or this
+  std::unique_ptr<MapSaver> saver_;
   std::vector<TrajectoryEntry> trajectory_;
 };
 

@@ -3,6 +3,13 @@
 
 namespace ydd {
 
+void MapOptions::describe(OptionTable& t) {
+  t.add("pictures", pictures,
+        "keyframes keep a small picture without what moves, for dense clouds: about 60 kB each");
+  t.add("autosave", autosave_s, {0.0, 86400.0}, "s",
+        "time between saves to the file that --save-map names; 0: at the end only");
+}
+
 void SystemOptions::describe(OptionTable& t) {
   t.group("orb", orb);
   t.group("dynamics", dynamics);
@@ -10,6 +17,7 @@ void SystemOptions::describe(OptionTable& t) {
   t.group("mapping", mapping);
   t.group("loop", loop);
   t.group("detect", detect);
+  t.group("map", map);
   t.add("deterministic", deterministic, "map in the tracking thread: two runs give equal bytes");
 }
 

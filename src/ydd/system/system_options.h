@@ -10,6 +10,13 @@
 
 namespace ydd {
 
+/// What is kept of the map besides what tracking needs, and when it is saved.
+struct MapOptions {
+  bool pictures = true;
+  double autosave_s = 5.0;
+  void describe(OptionTable& table);
+};
+
 /// Every setting of the system: one file, one table, saved with each run.
 struct SystemOptions {
   OrbOptions orb;
@@ -18,6 +25,7 @@ struct SystemOptions {
   MapperOptions mapping;
   LoopOptions loop;
   DetectOptions detect;
+  MapOptions map;
   bool deterministic = false;
 
   void describe(OptionTable& table);

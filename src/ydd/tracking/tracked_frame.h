@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "ydd/map/keyframe_picture.h"
 #include "ydd/map/local_map.h"
 
 namespace ydd {
@@ -16,6 +17,7 @@ struct TrackedFrame {
   Timestamp stamp;
   std::shared_ptr<const Observations> observations;
   std::shared_ptr<const KeypointGrid> grid;
+  std::shared_ptr<const PictureSource> picture;  ///< for a keyframe to keep; null: none
   SE3 T_camera_world;
   std::vector<MapPointId> points;  ///< per keypoint; empty id: none
 

@@ -89,7 +89,8 @@ void TrackerOptions::describe(OptionTable& t) {
         "nearer depth readings become points at once");
 }
 
-Tracker::Tracker(const TrackerOptions& options) : options_(options) {}
+Tracker::Tracker(const TrackerOptions& options, bool in_known_map)
+    : options_(options), state_(in_known_map ? TrackingState::lost : TrackingState::initializing) {}
 
 TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_idle) {
   frame.points.assign(frame.features().size(), MapPointId{});
@@ -116,7 +117,7 @@ TrackResult Tracker::initialize(TrackedFrame frame) {
   const Features& f = frame.features();
   const auto with_depth =
       std::count_if(f.depth_m.begin(), f.depth_m.end(), [](float depth_m) { return depth_m > 0; });
-  if (with_depth < options_.min_initial_points) return result;
+  if (with_depth < options_.min_initial_points || localization_only_) return result;
   frame.T_camera_world = SE3();
   last_ = frame;
   last_candidate_stamp_ = frame.stamp;
@@ -128,7 +129,7 @@ TrackResult Tracker::initialize(TrackedFrame frame) {
 
 bool Tracker::adopt_first_keyframe(const Atlas& atlas) {
   const KeyFrameId id = atlas.newest_keyframe();
-  if (!last_ || !id.valid() || atlas.at(id).frame_index != last_->index) return false;
+  if (!last_ || !id.valid() || atlas.at(id).observations != last_->observations) return false;
   last_reference_ = id;
   T_reference_last_ = SE3();
   state_ = TrackingState::tracking;
@@ -137,10 +138,11 @@ bool Tracker::adopt_first_keyframe(const Atlas& atlas) {
 }
 
 void Tracker::refresh_last_frame(const Atlas& atlas) {
+  if (!last_) return;  // lost since the start
   // The mapper may have moved the reference, merged points, or made a keyframe of the last frame.
   const KeyFrameId newest = atlas.newest_keyframe();
   const KeyFrame& keyframe = atlas.at(newest);
-  if (keyframe.frame_index == last_->index) {
+  if (keyframe.observations == last_->observations) {
     last_->points = keyframe.points;
     last_reference_ = newest;
     T_reference_last_ = SE3();
@@ -327,11 +329,13 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
                        ? std::optional(frame.T_camera_world * last_->T_camera_world.inverse())
                        : std::nullopt;
   state_ = result.state = TrackingState::tracking;
+  lost_since_.reset();
   last_reference_ = result.reference;
   T_reference_last_ = result.T_reference_camera;
   result.points = frame.points;
   StageTimer timer(result.times, "keyframe_decision");
-  if (needs_keyframe(situation(atlas, frame, result, mapper_idle), options_.keyframe)) {
+  if (!localization_only_ &&
+      needs_keyframe(situation(atlas, frame, result, mapper_idle), options_.keyframe)) {
     last_candidate_stamp_ = frame.stamp;
     result.candidate =
         KeyFrameCandidate{frame, result.reference, result.T_reference_camera, take_views()};
@@ -344,15 +348,16 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
 TrackResult Tracker::finish_lost(TrackedFrame frame, TrackResult result) {
   if (state_ == TrackingState::tracking) {
     log::warning("frame {}: tracking lost ({} points agree)", frame.index, result.inliers);
-    lost_since_ = frame.stamp;
   }
+  if (!lost_since_) lost_since_ = frame.stamp;
   state_ = result.state = TrackingState::lost;
   T_camera_last_.reset();
-  if (seconds_between(lost_since_, frame.stamp) < options_.new_map_after_s) return result;
+  if (seconds_between(*lost_since_, frame.stamp) < options_.new_map_after_s) return result;
   TrackResult fresh = initialize(std::move(frame));
   if (!fresh.candidate) return result;
   log::info("frame {}: lost for too long, starting a new map", last_->index);
   state_ = TrackingState::initializing;
+  lost_since_.reset();
   return fresh;
 }
 

@@ -74,11 +74,17 @@ struct TrackResult {
 /// Thread: one. Deterministic.
 class Tracker {
  public:
-  explicit Tracker(const TrackerOptions& options);
+  /// With `in_known_map` it starts lost in a map that is there, instead of starting one.
+  explicit Tracker(const TrackerOptions& options, bool in_known_map = false);
 
   /// `frame` comes without pose and points. `atlas` is the newest published one. `mapper_idle`
   /// tells that no candidate waits.
   TrackResult track(TrackedFrame frame, const Atlas& atlas, bool mapper_idle);
+
+  /// Whether to propose no keyframe and start no map, however long it is lost. May be switched
+  /// between any two frames.
+  void set_localization_only(bool on) { localization_only_ = on; }
+  bool localization_only() const { return localization_only_; }
 
   TrackingState state() const { return state_; }
 
@@ -118,7 +124,8 @@ class Tracker {
   SE3 T_reference_last_;
   std::optional<SE3> T_camera_last_;  ///< velocity: motion over the last frame interval
   Timestamp last_candidate_stamp_;
-  Timestamp lost_since_;      ///< valid while lost
+  std::optional<Timestamp> lost_since_;
+  bool localization_only_ = false;
   std::vector<Views> views_;  ///< by slot of the point
 };
 

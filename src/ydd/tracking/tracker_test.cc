@@ -60,6 +60,10 @@ class Walk {
  public:
   explicit Walk(TrackerOptions options = {}) : tracker_(options), mapper_(world_) {}
 
+  /// Switched off and on again: the map stays, what the tracker knew is gone.
+  void restart(const TrackerOptions& options = {}) { tracker_ = Tracker(options, true); }
+  Tracker& tracker() { return tracker_; }
+
   /// Tracks the next frame, seen from `T_world_camera`.
   TrackResult step(const SE3& T_world_camera, double seen_share = 1.0) {
     return step_in(world_, T_world_camera, seen_share);
@@ -108,6 +112,50 @@ TEST(Tracker, StartsAMapWithTheFirstFrameThatHasDepth) {
   const TrackResult second = walk.step();
   EXPECT_EQ(second.state, TrackingState::tracking);
   EXPECT_EQ(second.reference, walk.atlas().newest_keyframe());
+}
+
+TEST(Tracker, FindsItsPlaceInAMapThatIsThereAndExtendsIt) {
+  Walk walk;
+  for (int i = 0; i < 60; ++i) walk.step();
+  walk.restart();
+  const std::size_t keyframes = walk.atlas().keyframes().size();
+  EXPECT_EQ(walk.step_blind().state, TrackingState::lost);
+  const TrackResult found = walk.step();
+  ASSERT_EQ(found.state, TrackingState::tracking);
+  EXPECT_LT(position_error_m(found.T_world_camera, Walk::path(61)), 0.02);
+  for (int i = 0; i < 60; ++i) ASSERT_EQ(walk.step().state, TrackingState::tracking);
+  EXPECT_GT(walk.atlas().keyframes().size(), keyframes);
+  EXPECT_EQ(walk.atlas().maps(), 1U);
+}
+
+TEST(Tracker, StartsANewMapWhereTheOneThatIsThereIsNotSeen) {
+  Walk walk;
+  for (int i = 0; i < 30; ++i) walk.step();
+  walk.restart();
+  int frames = 0;
+  while (walk.step_elsewhere().state != TrackingState::tracking && frames < 200) ++frames;
+  EXPECT_NEAR(frames, 90, 2);  // new_map_after_s
+  EXPECT_EQ(walk.atlas().maps(), 2U);
+}
+
+TEST(Tracker, LocalizationOnlyLeavesTheMapAlone) {
+  Walk walk;
+  for (int i = 0; i < 60; ++i) walk.step();
+  const std::uint64_t revision = walk.atlas().revision();
+  walk.restart();
+  walk.tracker().set_localization_only(true);
+  for (int i = 0; i < 60; ++i) {
+    const TrackResult result = walk.step();
+    ASSERT_EQ(result.state, TrackingState::tracking);
+    EXPECT_FALSE(result.candidate.has_value());
+    EXPECT_LT(position_error_m(result.T_world_camera, Walk::path(60 + i)), 0.03);
+  }
+  for (int i = 0; i < 120; ++i) {
+    ASSERT_EQ(walk.step_elsewhere().state, TrackingState::lost);  // for longer than new_map_after_s
+  }
+  EXPECT_EQ(walk.atlas().revision(), revision);
+  walk.tracker().set_localization_only(false);
+  EXPECT_TRUE(walk.step_elsewhere().candidate.has_value());
 }
 
 TEST(Tracker, FollowsTheCamera) {

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "map_jobs.h"
+
+namespace ydd::app {
+namespace {
+
+void add_info(CLI::App& parent, Job& job) {
+  auto request = std::make_shared<MapInfoRequest>();
+  auto* command = parent.add_subcommand("info", "Say what is inside a map file");
+  command->add_option("file", request->file, "Map file")->required();
+  command->add_flag("--json", request->json, "As JSON");
+  command->callback([request, &job] { job = [request] { return map_info(*request); }; });
+}
+
+void add_export(CLI::App& parent, Job& job) {
+  auto request = std::make_shared<MapExportRequest>();
+  auto* command = parent.add_subcommand("export", "Clouds and poses out of a map file");
+  command->add_option("file", request->file, "Map file")->required();
+  command->add_option("--sparse", request->sparse, "PLY file for the points it tracks by");
+  command->add_option("--dense", request->dense,
+                      "PLY file for a coloured cloud of what keyframes saw, without what moved");
+  command->add_option("--voxel", request->cloud.voxel_m, "Edge of the dense cloud's cubes, metres")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+  command
+      ->add_option("--max-depth", request->cloud.max_depth_m,
+                   "Depth readings beyond are left out, metres")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
+  command->add_option("--keyframes", request->keyframes, "TUM file for the poses of keyframes");
+  command->add_option("--octomap", request->octomap,
+                      "OctoMap file (.bt) with what is occupied and what is free");
+  command
+      ->add_option("--octomap-resolution", request->octomap_resolution_m,
+                   "Edge of its smallest cubes, metres")
+      ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  command->add_option("--which", request->which,
+                      "Number of the map, when the file holds several (default: the largest)");
+  command->callback([request, &job] {
+    if (request->sparse.empty() && request->dense.empty() && request->keyframes.empty() &&
+        request->octomap.empty()) {
+      throw CLI::RequiredError("One of --sparse, --dense, --keyframes, --octomap");
+    }
+    job = [request] { return map_export(*request); };
+  });
+}
+
+void add_merge(CLI::App& parent, Job& job) {
+  auto request = std::make_shared<MapMergeRequest>();
+  auto* command = parent.add_subcommand(
+      "merge", "Put two map files into one, welded where they show the same place");
+  command->add_option("first", request->first, "Map file whose world stays")->required();
+  command->add_option("second", request->second, "Map file that is added")->required();
+  command->add_option("--out", request->out, "Map file to write")->required();
+  command->add_option("--config", request->config, "YAML file with options (loop, mapping)");
+  command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
+  command->callback([request, &job] { job = [request] { return map_merge(*request); }; });
+}
+
+}  // namespace
+
+void add_map_command(CLI::App& app, Job& job) {
+  auto* command = app.add_subcommand("map", "Look into map files, export and merge them");
+  command->require_subcommand(1);
+  command->footer(
+      "Examples:\n"
+      "  ydd-slam run monday --save-map office.map\n"
+      "  ydd-slam map info office.map\n"
+      "  ydd-slam map export office.map --dense office.ply --voxel 0.02\n"
+      "  ydd-slam map export office.map --sparse points.ply --keyframes keyframes.tum\n"
+      "  ydd-slam map export office.map --octomap office.bt\n"
+      "  ydd-slam map merge office.map corridor.map --out floor.map\n"
+      "docs/maps.md tells the rest.");
+  add_info(*command, job);
+  add_export(*command, job);
+  add_merge(*command, job);
+}
+
+}  // namespace ydd::app

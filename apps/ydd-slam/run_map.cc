@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run_map.h"
+
+#include <fmt/format.h>
+
+#include "ydd/base/log.h"
+#include "ydd/map/map_file.h"
+
+namespace ydd::app {
+
+Result<std::optional<Atlas>> open_run_map(const RunRequest& request, const Camera& camera,
+                                          const SystemOptions& options) {
+  if (request.map.empty()) return std::optional<Atlas>();
+  Result<Atlas> atlas = load_map(request.map);
+  if (!atlas) return atlas.error();
+  auto same = check_same_camera(atlas->camera(), camera);
+  if (same) {
+    same = check_same_scales(atlas->scales(),
+                             PyramidScales::make(options.orb.levels, options.orb.scale_step));
+  }
+  if (!same) return Error{fmt::format("{}: {}", request.map, same.error().message)};
+  if (atlas->keyframes().empty()) {
+    if (request.localization_only) return Error{fmt::format("{}: holds no keyframe", request.map)};
+    log::warning("{}: holds no keyframe; the run starts from nothing", request.map);
+  }
+  return std::optional<Atlas>(std::move(*atlas));
+}
+
+Result<void> prepare_run_map(const RunRequest& request, SlamSystem& system) {
+  system.set_localization_only(request.localization_only);
+  return request.save_map.empty() ? Result<void>() : system.autosave_to(request.save_map);
+}
+
+Result<void> save_run_map(const RunRequest& request, SlamSystem& system) {
+  return request.save_map.empty() ? Result<void>() : system.save_map(request.save_map);
+}
+
+}  // namespace ydd::app

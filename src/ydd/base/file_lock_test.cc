@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/base/file_lock.h"
+
+#include <unistd.h>
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace ydd {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FileLockTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "ydd-lock-XXXXXX").string();
+    ASSERT_TRUE(::mkdtemp(pattern.data()));
+    folder_ = pattern;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+
+TEST_F(FileLockTest, IsTakenOnceAndGivenBack) {
+  const fs::path file = folder_ / "a";
+  EXPECT_FALSE(FileLock::take(file, false).ok());  // there is none
+  {
+    const Result<FileLock> lock = FileLock::take(file, true);
+    ASSERT_TRUE(lock.ok());
+    const Result<FileLock> second = FileLock::take(file, false);
+    ASSERT_FALSE(second.ok());
+    EXPECT_THAT(second.error().message, testing::HasSubstr("another process is writing it"));
+  }
+  EXPECT_TRUE(FileLock::take(file, false).ok());
+}
+
+TEST_F(FileLockTest, GoesAlongWithARename) {
+  const Result<FileLock> lock = FileLock::take(folder_ / "a", true);
+  ASSERT_TRUE(lock.ok());
+  fs::rename(folder_ / "a", folder_ / "b");
+  EXPECT_FALSE(FileLock::take(folder_ / "b", false).ok());
+  EXPECT_TRUE(lock->is_named(folder_ / "b"));
+  EXPECT_FALSE(lock->is_named(folder_ / "a"));
+  std::ofstream(folder_ / "c") << "c";
+  fs::rename(folder_ / "c", folder_ / "b");
+  EXPECT_FALSE(lock->is_named(folder_ / "b"));
+}
+
+TEST_F(FileLockTest, EmptiesAndFlushes) {
+  std::ofstream(folder_ / "a") << "content";
+  const Result<FileLock> lock = FileLock::take(folder_ / "a", true);
+  ASSERT_TRUE(lock.ok());
+  EXPECT_TRUE(lock->truncate());
+  EXPECT_EQ(fs::file_size(folder_ / "a"), 0U);
+  EXPECT_TRUE(lock->flush());
+  EXPECT_TRUE(flush_folder(folder_));
+  EXPECT_FALSE(flush_folder(folder_ / "none"));
+}
+
+}  // namespace
+}  // namespace ydd

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// An atlas from stored parts. Nothing is believed: what does not fit together is a failure with a
+// reason, and nothing is repaired.
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "ydd/map/atlas.h"
+
+namespace ydd {
+namespace {
+
+bool features_agree(const Features& f, const PyramidScales& scales) {
+  const std::size_t n = f.size();
+  if (f.descriptors.size() != n || f.undistorted_px.size() != n || f.depth_m.size() != n ||
+      f.right_px.size() != n) {
+    return false;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const Keypoint& k = f.keypoints[i];
+    const bool finite = std::isfinite(k.x_px) && std::isfinite(k.y_px) &&
+                        std::isfinite(k.angle_rad) && f.undistorted_px[i].allFinite() &&
+                        std::isfinite(f.depth_m[i]) && std::isfinite(f.right_px[i]);
+    if (!finite || k.octave < 0 || k.octave >= scales.levels()) return false;
+  }
+  return true;
+}
+
+/// What `check_consistency` takes for granted.
+std::string fault_of_keyframes(const Atlas& atlas) {
+  std::string fault;
+  atlas.keyframes().for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
+    if (!keyframe.observations || !features_agree(keyframe.features(), atlas.scales())) {
+      fault = fmt::format("keyframe {}: keypoints that cannot be", id.slot);
+    }
+    if (!keyframe.map.valid() || keyframe.map.slot >= atlas.maps() || keyframe.serial < 0 ||
+        keyframe.serial >= atlas.next_serial()) {
+      fault = fmt::format("keyframe {}: of no map, or numbered wrongly", id.slot);
+    }
+  });
+  return fault;
+}
+
+std::string fault_of_points(const Atlas& atlas) {
+  std::string fault;
+  atlas.points().for_each([&](MapPointId id, const MapPoint& point) {
+    if (!point.p_world.allFinite() || !point.normal.allFinite() ||
+        !std::isfinite(point.min_distance_m) || !std::isfinite(point.max_distance_m)) {
+      fault = fmt::format("point {}: not a place in the world", id.slot);
+    }
+    for (const Sighting& s : point.sightings) {
+      const KeyFrame* keyframe = atlas.find(s.keyframe);
+      if (!keyframe || s.keypoint < 0 ||
+          static_cast<std::size_t>(s.keypoint) >= keyframe->features().size()) {
+        fault = fmt::format("point {}: seen by a keypoint that there is not", id.slot);
+      }
+    }
+  });
+  return fault;
+}
+
+/// Chains of culled keyframes must end in a kept one.
+std::string fault_of_culled(const Atlas& atlas) {
+  for (const auto& [id, culled] : atlas.culled()) {
+    KeyFrameId above = id;
+    for (std::size_t steps = 0; !atlas.find(above); ++steps) {
+      const auto next = atlas.culled().find(above);
+      if (next == atlas.culled().end() || steps > atlas.culled().size()) {
+        return fmt::format("culled keyframe {}: hangs on nothing", id.slot);
+      }
+      above = next->second.parent;
+    }
+  }
+  return {};
+}
+
+std::string first_fault(const Atlas& atlas) {
+  if (std::string fault = fault_of_keyframes(atlas); !fault.empty()) return fault;
+  if (std::string fault = fault_of_points(atlas); !fault.empty()) return fault;
+  if (std::string fault = fault_of_culled(atlas); !fault.empty()) return fault;
+  if (atlas.newest_keyframe().valid() ? !atlas.find(atlas.newest_keyframe())
+                                      : !atlas.keyframes().empty()) {
+    return "its newest keyframe is none";
+  }
+  return {};
+}
+
+/// Gives each keyframe its list of points. Failure: two points on one keypoint.
+bool link_sightings(Table<KeyFrame, KeyFrameTag>& keyframes,
+                    const Table<MapPoint, MapPointTag>& points) {
+  bool fits = true;
+  for (const KeyFrameId id : keyframes.ids()) {
+    KeyFrame& keyframe = keyframes.edit(id);
+    keyframe.points.assign(keyframe.features().size(), MapPointId{});
+  }
+  points.for_each([&](MapPointId id, const MapPoint& point) {
+    for (const Sighting& s : point.sightings) {
+      MapPointId& link = keyframes.edit(s.keyframe).points[static_cast<std::size_t>(s.keypoint)];
+      fits = fits && !link.valid();
+      link = id;
+    }
+  });
+  return fits;
+}
+
+}  // namespace
+
+Result<Atlas> Atlas::restore(AtlasParts parts) {
+  auto keyframes =
+      Table<KeyFrame, KeyFrameTag>::restore(std::move(parts.keyframes), parts.freed_keyframes);
+  auto points = Table<MapPoint, MapPointTag>::restore(std::move(parts.points), parts.freed_points);
+  if (!keyframes || !points) return Error{"ids that are missing or given twice"};
+  Atlas atlas(parts.camera, parts.scales);
+  atlas.keyframes_ = std::move(*keyframes);
+  atlas.points_ = std::move(*points);
+  atlas.culled_ =
+      std::make_shared<const std::map<KeyFrameId, CulledKeyFrame>>(std::move(parts.culled));
+  atlas.revision_ = parts.revision;
+  atlas.newest_ = parts.newest;
+  atlas.next_serial_ = parts.next_serial;
+  atlas.maps_ = parts.maps;
+  if (std::string fault = first_fault(atlas); !fault.empty()) return Error{std::move(fault)};
+  if (!link_sightings(atlas.keyframes_, atlas.points_)) {
+    return Error{"a keypoint that shows two points"};
+  }
+  std::vector<std::string> faults = atlas.check_consistency();
+  if (!faults.empty()) return Error{std::move(faults.front())};
+  return atlas;
+}
+
+}  // namespace ydd

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "ydd/base/result.h"
+#include "ydd/image/image.h"
+#include "ydd/map/atlas.h"
+
+namespace ydd {
+
+struct CloudPoint {
+  Eigen::Vector3f p_world;  ///< metres
+  Bgr colour{};
+};
+
+struct DenseCloudOptions {
+  double voxel_m = 0.02;     ///< edge of the cubes in which points are averaged
+  double max_depth_m = 4.0;  ///< farther readings of a camera like a Kinect are too coarse
+  int witnesses = 6;         ///< covisible keyframes that are asked about each point
+};
+
+/// What one keyframe adds to the cloud.
+struct KeyframeCloud {
+  KeyFrameId keyframe;
+  Eigen::Vector3f origin;  ///< of its camera, world
+  std::vector<CloudPoint> points;
+};
+
+/// The static scene as the pictures of one map's keyframes show it, keyframe by keyframe in slot
+/// order; those without a picture are passed over.
+///
+/// A point is dropped when more of the keyframe's best covisible neighbours look through it than
+/// see it: what moved without being detected stands in free space for everyone who came earlier or
+/// later. Failure: the first picture that cannot be opened.
+Result<void> for_each_keyframe_cloud(const Atlas& atlas, MapId map,
+                                     const DenseCloudOptions& options,
+                                     const std::function<void(const KeyframeCloud&)>& visit);
+
+/// The same as one cloud: position and colour averaged in each cube, cubes in order of x, y, z.
+/// Deterministic.
+Result<std::vector<CloudPoint>> dense_cloud(const Atlas& atlas, MapId map,
+                                            const DenseCloudOptions& options);
+
+}  // namespace ydd

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/system/merge_maps.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "ydd/map/join_atlases.h"
+
+namespace ydd {
+namespace {
+
+/// Keyframes of a map in the order of creation.
+std::vector<KeyFrameId> keyframes_of(const Atlas& atlas, MapId map) {
+  std::vector<KeyFrameId> out;
+  atlas.keyframes().for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
+    if (keyframe.map == map) out.push_back(id);
+  });
+  std::sort(out.begin(), out.end(),
+            [&](KeyFrameId x, KeyFrameId y) { return atlas.at(x).serial < atlas.at(y).serial; });
+  return out;
+}
+
+std::set<MapId> maps_of(const Atlas& atlas) {
+  std::set<MapId> out;
+  atlas.keyframes().for_each([&](KeyFrameId, const KeyFrame& k) { out.insert(k.map); });
+  return out;
+}
+
+/// The common place with most agreeing points.
+std::optional<LoopMatch> best_match(const Atlas& atlas, MapId map, const std::set<MapId>& into,
+                                    const LoopOptions& options) {
+  std::optional<LoopMatch> best;
+  const auto among = [&](KeyFrameId id) { return into.contains(atlas.at(id).map); };
+  for (const KeyFrameId id : keyframes_of(atlas, map)) {
+    const auto match = find_loop(atlas, id, options, among);
+    if (match && (!best || match->seen.size() > best->seen.size())) best = match;
+  }
+  return best;
+}
+
+}  // namespace
+
+Result<MergedMaps> merge_maps(const Atlas& a, const Atlas& b, const MapperOptions& mapping,
+                              const LoopOptions& loop) {
+  Result<Atlas> joined = join_atlases(a, b);
+  if (!joined) return joined.error();
+  const std::set<MapId> first = maps_of(a);
+  std::set<MapId> second = maps_of(*joined);
+  for (const MapId map : first) second.erase(map);
+  Mapper mapper(std::move(*joined), mapping);
+  MergedMaps out{Atlas(a.camera(), a.scales()), {}, 0};
+  for (const MapId map : second) {
+    const auto atlas = mapper.snapshot();
+    const auto match = best_match(*atlas, map, first, loop);
+    if (!match) {
+      ++out.separate;
+      continue;
+    }
+    out.welds.push_back({map, atlas->at(match->matched).map, match->seen.size()});
+    mapper.apply(correct_loop(*atlas, *match, loop));
+    if (!loop.full_bundle) continue;
+    if (const auto refined = full_bundle(*mapper.snapshot(), match->matched, loop)) {
+      mapper.apply(*refined);
+    }
+  }
+  out.atlas = std::move(mapper).take_atlas();
+  return out;
+}
+
+}  // namespace ydd
