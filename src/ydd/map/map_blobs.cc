@@ -118,8 +118,7 @@ PyramidScales decode_scales(std::string_view bytes) {
 }
 
 std::string encode_features(const Features& f) {
-  ByteWriter out;
-  out.reserve(65U * f.size() + 10U);
+  ByteWriter out(65U * f.size() + 10U);
   out.varint(f.size());
   for (std::size_t i = 0; i < f.size(); ++i) {
     const Keypoint& k = f.keypoints[i];

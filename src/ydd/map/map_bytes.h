@@ -23,6 +23,8 @@ class Fault : public std::runtime_error {
 /// Numbers to bytes, little endian on every machine.
 class ByteWriter {
  public:
+  explicit ByteWriter(std::size_t expected = 64) { bytes_.reserve(expected); }
+
   template <std::unsigned_integral U>
   void fixed(U value) {
     char bytes[sizeof(U)];
@@ -44,7 +46,6 @@ class ByteWriter {
     varint(id.generation);
   }
 
-  void reserve(std::size_t size) { bytes_.reserve(size); }
   std::string take() && { return std::move(bytes_); }
 
  private:
