@@ -255,8 +255,8 @@ TEST(Maps, WhatIsNoMapIsOneClearLineAndStays) {
 TEST(Maps, AnotherCameraIsOneClearLine) {
   const TemporaryFolder folder;
   run(few_frames(), folder / "a", {"--save-map", folder / "a.map"});
-  const Outcome camera = ydd_slam(
-      {"run", few_frames(), "--map", folder / "a.map", "--camera", "tum_fr1", "--out", folder / "b"});
+  const Outcome camera = ydd_slam({"run", few_frames(), "--map", folder / "a.map", "--camera",
+                                   "tum_fr1", "--out", folder / "b"});
   EXPECT_EQ(camera.exit_code, 1);
   ASSERT_EQ(camera.error_lines().size(), 1U) << camera.err;
   EXPECT_THAT(camera.err, HasSubstr("a.map: made with another camera: width is 320"));

@@ -263,13 +263,13 @@ TEST(Table, ComesBackFromItsPartsDownToTheIdsItWillGive) {
 }
 
 TEST(Table, PartsThatLeaveGapsOrOverlapGiveNothing) {
-  using Animals = Table<int, AnimalTag>;
-  EXPECT_TRUE(Animals::restore({}, {}).has_value());
-  EXPECT_TRUE(Animals::restore({{{1, 1}, 5}}, {{0, 2}}).has_value());
-  EXPECT_FALSE(Animals::restore({{{1, 1}, 5}}, {}).has_value());
-  EXPECT_FALSE(Animals::restore({{{0, 1}, 5}, {{0, 2}, 6}}, {}).has_value());
-  EXPECT_FALSE(Animals::restore({{{0, 1}, 5}}, {{0, 1}}).has_value());
-  EXPECT_FALSE(Animals::restore({{{0, 0}, 5}}, {}).has_value());
+  using Numbers = Table<int, AnimalTag>;
+  EXPECT_TRUE(Numbers::restore({}, {}).has_value());
+  EXPECT_TRUE(Numbers::restore({{{1, 1}, 5}}, {{0, 2}}).has_value());
+  EXPECT_FALSE(Numbers::restore({{{1, 1}, 5}}, {}).has_value());
+  EXPECT_FALSE(Numbers::restore({{{0, 1}, 5}, {{0, 2}, 6}}, {}).has_value());
+  EXPECT_FALSE(Numbers::restore({{{0, 1}, 5}}, {{0, 1}}).has_value());
+  EXPECT_FALSE(Numbers::restore({{{0, 0}, 5}}, {}).has_value());
 }
 
 }  // namespace
