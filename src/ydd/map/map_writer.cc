@@ -203,8 +203,9 @@ MapWriter::~MapWriter() = default;
 
 Result<MapWriter> MapWriter::open(const fs::path& file) {
   try {
-    // A link stays a link: what it leads to is replaced.
-    const fs::path target = fs::weakly_canonical(file);
+    // A link stays a link: what it leads to is replaced. Absolute first: the canonical path of a
+    // file that is not there yet would stay relative.
+    const fs::path target = fs::weakly_canonical(fs::absolute(file));
     auto state = std::make_unique<State>();
     if (::access(folder_of(target).c_str(), W_OK | X_OK) != 0) {
       throw Fault("its folder is not there, or cannot be written to");

@@ -154,7 +154,8 @@ Result<void> SlamSystem::autosave_to(const std::filesystem::path& file) {
 }
 
 Result<void> SlamSystem::save_map(const std::filesystem::path& file) {
-  if (saver_ && saver_->file() == std::filesystem::weakly_canonical(file)) {
+  if (saver_ &&
+      saver_->file() == std::filesystem::weakly_canonical(std::filesystem::absolute(file))) {
     return saver_->save(atlas());
   }
   return ydd::save_map(*atlas(), file);
