@@ -34,12 +34,12 @@ struct RunRequest {
   std::string detections;  ///< recording to replay
   std::string detector;    ///< detector file, for looking at the frames themselves
   std::vector<std::string> detector_set;
-  std::string detect;    ///< every-frame or asynchronous; empty: as configured
-  std::string objects;   ///< object catalogue; empty: the built-in one
-  std::string pictures;  ///< folder for annotated frames; empty: none
-  std::string video;     ///< file for a video of annotated frames; empty: none
-  std::string map;       ///< file to go on with; empty: none
-  std::string save_map;  ///< file to save to; empty: none
+  std::string detect;              ///< every-frame or asynchronous; empty: as configured
+  std::string objects;             ///< object catalogue; empty: the built-in one
+  std::string pictures;            ///< folder for annotated frames; empty: none
+  std::string video;               ///< file for a video of annotated frames; empty: none
+  std::string map;                 ///< file to go on with; empty: none
+  std::string save_map;            ///< file to save to; empty: none
   bool localization_only = false;  ///< use the map, do not change it
   std::string dynamic;
   std::string trajectory_format = "tum";

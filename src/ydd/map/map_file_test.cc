@@ -157,6 +157,14 @@ TEST_F(MapFileTest, LaterSavesWriteWhatChanged) {
   EXPECT_THAT(names(), testing::ElementsAre("a.map"));
 }
 
+TEST_F(MapFileTest, AMapThatWasStartedAnewIsNotMixedWithTheOldOne) {
+  MapWriter writer = MapWriter::open(file_).value();
+  ASSERT_TRUE(writer.save(rich_atlas()).ok());
+  const Atlas other = rich_atlas(90);  // the same ids, other keypoints
+  EXPECT_FALSE(writer.save(other).value().whole);
+  EXPECT_EQ(dump_map(load_map(file_).value()), dump_map(other));
+}
+
 TEST_F(MapFileTest, ReplacesAnotherMapWhole) {
   ASSERT_TRUE(save_map(rich_atlas(40), file_).ok());
   const Atlas atlas = rich_atlas();

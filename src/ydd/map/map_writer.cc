@@ -25,10 +25,11 @@ using map_format::Fault;
 using map_format::Row;
 using map_format::TableShape;
 
-/// What the file holds: the checksum of each row by its key, and the generation it was made of.
+/// What the file holds: the checksum of each row by its key, and the immutable value it was made of
+/// (kept, so that no other value can come to lie at its address).
 struct WrittenRow {
   std::uint64_t checksum = 0;
-  std::uint32_t generation = 0;
+  std::shared_ptr<const void> source;
 };
 using Written = std::map<const TableShape*, std::map<std::int64_t, WrittenRow>>;
 
@@ -37,9 +38,9 @@ class RowSink {
  public:
   RowSink(Database& database, const Written& before) : database_(database), before_(before) {}
 
-  void put(const TableShape& table, const Row& row, std::uint32_t generation = 0) {
+  void put(const TableShape& table, const Row& row, std::shared_ptr<const void> source = {}) {
     const std::uint64_t checksum = map_format::checksum_of(table, row);
-    after_[&table][row.key] = {checksum, generation};
+    after_[&table][row.key] = {checksum, std::move(source)};
     const WrittenRow* const held = find(table, row.key);
     if (held && held->checksum == checksum) return;
     database_.put(table, row, checksum);
@@ -47,9 +48,9 @@ class RowSink {
   }
 
   /// For what never changes: true if the row is there already and need not be made.
-  bool keep(const TableShape& table, std::int64_t key, std::uint32_t generation) {
+  bool keep(const TableShape& table, std::int64_t key, const std::shared_ptr<const void>& source) {
     const WrittenRow* const held = find(table, key);
-    if (!held || held->generation != generation) return false;
+    if (!held || held->source != source) return false;
     after_[&table][key] = *held;
     return true;
   }
@@ -98,18 +99,18 @@ void put_keyframe(RowSink& sink, KeyFrameId id, const KeyFrame& k) {
        {whole(id.generation), k.serial, k.frame_index, k.stamp.ns, whole(k.map.slot),
         whole(k.parent.slot), whole(k.parent.generation), map_format::encode_pose(k.T_world_camera),
         map_format::encode_covisible(k.covisible), map_format::encode_ids(k.loops)}});
-  if (!sink.keep(map_format::kFeatures, id.slot, id.generation)) {
+  if (!sink.keep(map_format::kFeatures, id.slot, k.observations)) {
     sink.put(map_format::kFeatures,
              {id.slot, {whole(id.generation), map_format::encode_features(k.features())}},
-             id.generation);
+             k.observations);
   }
-  if (k.picture && !sink.keep(map_format::kPicture, id.slot, id.generation)) {
+  if (k.picture && !sink.keep(map_format::kPicture, id.slot, k.picture)) {
     sink.put(map_format::kPicture,
              {id.slot,
               {whole(id.generation), whole(static_cast<std::uint64_t>(k.picture->width_px)),
                whole(static_cast<std::uint64_t>(k.picture->height_px)), k.picture->colour_jpeg,
                k.picture->depth_png}},
-             id.generation);
+             k.picture);
   }
 }
 
