@@ -157,21 +157,6 @@ std::string effective_yaml(Configuration configuration) {
   return table.to_yaml();
 }
 
-RunDescription describe_run(const RunRequest& request, const Sequence& sequence,
-                            const SystemOptions& options, bool has_detector) {
-  RunDescription description{sequence.name(),
-                             has_detector ? options.dynamics.variant : "off",
-                             request.detector + request.detections,  // one is empty
-                             options.deterministic,
-                             request.realtime,
-                             options.tracking.relocalization.seed};
-  if (const auto& file = sequence.groundtruth_file()) {
-    description.groundtruth = fs::absolute(*file).lexically_normal().string();
-  }
-  description.versions = library_versions();
-  return description;
-}
-
 }  // namespace
 
 Result<RunOutcome> run_sequence(const RunRequest& request) {
