@@ -11,7 +11,10 @@ namespace fs = std::filesystem;
 
 class VideoFileTest : public testing::Test {
  protected:
-  VideoFileTest() : folder_(fs::path(testing::TempDir()) / "ydd-video-test") {
+  VideoFileTest()
+      : folder_(fs::path(testing::TempDir()) /  // tests run side by side
+                (std::string("ydd-video-") +
+                 testing::UnitTest::GetInstance()->current_test_info()->name())) {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
