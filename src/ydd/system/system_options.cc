@@ -5,7 +5,7 @@ namespace ydd {
 
 void MapOptions::describe(OptionTable& t) {
   t.add("pictures", pictures,
-        "keyframes keep a small picture without what moves, for dense clouds: about 60 kB each");
+        "keyframes keep a small picture without what moves, for dense clouds: 20 to 60 kB each");
   t.add("autosave", autosave_s, {0.0, 86400.0}, "s",
         "time between saves to the file that --save-map names; 0: at the end only");
 }
