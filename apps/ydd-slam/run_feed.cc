@@ -141,10 +141,17 @@ std::size_t frames_to_feed(const Sequence& sequence, const RunRequest& request) 
   return std::min(sequence.size(), static_cast<std::size_t>(request.max_frames));
 }
 
-LiveScene live_scene(const FeedInput& input, bool has_detector) {
-  LiveScene scene{input.sequence.name(), frames_to_feed(input.sequence, input.request),
-                  input.camera,          input.catalogue,
-                  StampedPoses{},        has_detector};
+LiveScene live_scene(const FeedInput& input, bool has_detector,
+                     const std::filesystem::path& folder) {
+  LiveScene scene{input.sequence.name(),
+                  frames_to_feed(input.sequence, input.request),
+                  input.camera,
+                  input.catalogue,
+                  StampedPoses{},
+                  has_detector,
+                  {}};
+  const std::string& map_file = input.request.save_map;
+  scene.map_file = map_file.empty() ? folder / "map.ydd" : std::filesystem::path(map_file);
   if (const auto file = input.sequence.groundtruth_file()) {
     if (Result<StampedPoses> truth = read_tum_trajectory(*file)) scene.groundtruth = *truth;
   }

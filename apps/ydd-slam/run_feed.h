@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <memory>
 
 #include "run_job.h"
@@ -32,8 +33,10 @@ struct Listeners {
 std::size_t frames_to_feed(const Sequence& sequence, const RunRequest& request);
 
 /// What watchers of the run need to know beforehand. Ground truth that cannot be read is left out:
-/// the report at the end tells why.
-LiveScene live_scene(const FeedInput& input, bool has_detector);
+/// the report at the end tells why. A map that a watcher saves
+/// goes to the request's file, else to map.ydd in `folder`.
+LiveScene live_scene(const FeedInput& input, bool has_detector,
+                     const std::filesystem::path& folder);
 
 /// Feeds the sequence to the system, frame by frame, until it ends or a watcher ends it, and
 /// finishes the system. `listeners` hear of every frame; `live` (may be null) shows it to watchers

@@ -94,13 +94,12 @@ Result<void> feed_watched(const FeedInput& input, SlamSystem& system, Listeners&
                           bool has_detector, const std::filesystem::path& folder) {
   const RunRequest& request = input.request;
   if (!request.view.window && !request.serve) return feed(input, system, listeners, nullptr);
-  LiveControl live(live_scene(input, has_detector));
+  LiveControl live(live_scene(input, has_detector, folder));
   const Result<std::unique_ptr<LiveServer>> server = serve(request, live);
   if (!server) return server.error();
 #ifdef YDD_HAS_WINDOW
   if (request.view.window) return feed_in_window(input, system, listeners, live, folder);
 #endif
-  (void)folder;
   return feed_or_tell(input, system, listeners, live);
 }
 

@@ -18,6 +18,10 @@ struct Tell {
   std::string operator()(live::SetVariant set) const {
     return fmt::format("{}{}", kVariant, to_string(set.variant));
   }
+  std::string operator()(live::SetLocalizationOnly set) const {
+    return set.on ? "localize on" : "localize off";
+  }
+  std::string operator()(live::SaveMap) const { return "save map"; }
   std::string operator()(live::Quit) const { return "quit"; }
 };
 
@@ -28,16 +32,20 @@ std::string to_string(const LiveCommand& command) { return std::visit(Tell{}, co
 Result<LiveCommand> parse_live_command(std::string_view text) {
   for (const LiveCommand& plain :
        {LiveCommand(live::Pause{}), LiveCommand(live::Resume{}), LiveCommand(live::Step{}),
-        LiveCommand(live::Reset{}), LiveCommand(live::Quit{})}) {
+        LiveCommand(live::Reset{}), LiveCommand(live::Quit{}), LiveCommand(live::SaveMap{}),
+        LiveCommand(live::SetLocalizationOnly{true}),
+        LiveCommand(live::SetLocalizationOnly{false})}) {
     if (text == to_string(plain)) return plain;
   }
   if (text.starts_with(kVariant)) {
     const auto variant = parse_variant(text.substr(kVariant.size()));
     if (variant) return LiveCommand(live::SetVariant{*variant});
   }
-  return Error{fmt::format(
-      "command '{}': must be pause, resume, step, reset, quit or variant off|box|person|full",
-      text)};
+  return Error{
+      fmt::format("command '{}': must be pause, resume, step, reset, save map, quit, localize "
+                  "on|off or variant "
+                  "off|box|person|full",
+                  text)};
 }
 
 std::optional<LiveCommand> LiveControl::next_command(int wait_ms) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,14 +32,21 @@ struct Reset {};
 struct SetVariant {
   Variant variant = Variant::full;
 };
+/// Whether the map is used without being changed.
+struct SetLocalizationOnly {
+  bool on = false;
+};
+/// Save the map of now to the scene's map file.
+struct SaveMap {};
 /// End the run after this frame; its results are written.
 struct Quit {};
 }  // namespace live
 
 using LiveCommand =
-    std::variant<live::Pause, live::Resume, live::Step, live::Reset, live::SetVariant, live::Quit>;
+    std::variant<live::Pause, live::Resume, live::Step, live::Reset, live::SetVariant,
+                 live::SetLocalizationOnly, live::SaveMap, live::Quit>;
 
-/// "pause", "resume", "step", "reset", "variant full", "quit".
+/// "pause", "resume", "step", "reset", "variant full", "localize on", "save map", "quit".
 std::string to_string(const LiveCommand& command);
 /// The reverse; fails in one line that tells what there is.
 Result<LiveCommand> parse_live_command(std::string_view text);
@@ -60,6 +68,7 @@ using LiveHistory = Table<LiveSample, LiveSampleTag>;  ///< in slot order: by ti
 struct LiveStatus {
   bool paused = false;
   bool finished = false;  ///< no further frame will come
+  bool localization_only = false;
   Variant variant = Variant::full;
   double frames_per_second = 0;  ///< over the last second; 0 while paused
   int resets = 0;                ///< ids of keyframes and points hold until this changes
@@ -82,8 +91,9 @@ struct LiveScene {
   std::size_t frames = 0;  ///< that the run will read; 0: unknown
   Camera camera;
   ObjectCatalogue catalogue;
-  StampedPoses groundtruth;   ///< in a world of its own; may be empty
-  bool has_detector = false;  ///< without one every variant is "off"
+  StampedPoses groundtruth;        ///< in a world of its own; may be empty
+  bool has_detector = false;       ///< without one every variant is "off"
+  std::filesystem::path map_file;  ///< that "save map" writes
 };
 
 /// Whether a run still goes on, for those who watch it.

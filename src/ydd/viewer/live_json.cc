@@ -164,6 +164,7 @@ std::string live_state_json(const LiveScene& scene, const LiveFrame& live) {
                   {"stamp_s", report.stamp.seconds()},
                   {"state", std::string(to_string(report.track.state))},
                   {"paused", status.paused},
+                  {"localization_only", status.localization_only},
                   {"finished", status.finished},
                   {"variant", std::string(to_string(status.variant))},
                   {"has_detector", scene.has_detector},

@@ -62,7 +62,8 @@ function showState() {
   $('state').className = state.state;
   $('message').textContent = state.finished ? 'The run has ended; its results are in its folder.' : state.message;
   $('pause').textContent = state.paused ? 'Resume' : 'Pause';
-  for (const id of ['pause', 'step', 'reset', 'quit']) $(id).disabled = state.finished;
+  $('localize').checked = state.localization_only;
+  for (const id of ['pause', 'step', 'reset', 'localize', 'keep-map', 'quit']) $(id).disabled = state.finished;
   $('variant').disabled = state.finished || !state.has_detector;
   if (document.activeElement !== $('variant')) $('variant').value = state.variant;
   const rejected = rejectedCount(), all = rejected + state.kept;
@@ -249,6 +250,8 @@ function listenToControls() {
   click('step', () => command('step'));
   click('reset', () => { if (confirm('Forget map and trajectory?')) command('reset'); });
   click('quit', () => { if (confirm('End the run? Its results are written.')) command('quit'); });
+  click('keep-map', () => command('save map'));
+  $('localize').addEventListener('change', () => command('localize ' + ($('localize').checked ? 'on' : 'off')));
   click('save-trajectory', () => save('trajectory.tum', 'trajectory.tum'));
   click('save-map', () => save('map.ply', 'map.ply'));
   click('save-picture', () => save('frame.jpg', 'frame.jpg'));

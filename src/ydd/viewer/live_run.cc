@@ -56,11 +56,22 @@ void LiveRun::carry_out(const LiveCommand& command) {
     system_.set_variant(set->variant);
     status_.variant = set->variant;
     status_.message = fmt::format("from now on: {}", to_string(set->variant));
+  } else if (const auto* localize = std::get_if<live::SetLocalizationOnly>(&command)) {
+    system_.set_localization_only(localize->on);
+    status_.message = localize->on ? "the map stays as it is" : "the map grows again";
+  } else if (std::holds_alternative<live::SaveMap>(command)) {
+    save_map();
   } else {
     quit_ = true;
   }
   interventions_.push_back({newest_.report ? newest_.report->index : -1, to_string(command)});
   publish_state();
+}
+
+void LiveRun::save_map() {
+  const std::filesystem::path& file = control_.scene().map_file;
+  const Result<void> saved = system_.save_map(file);
+  status_.message = saved ? fmt::format("map saved to {}", file.string()) : saved.error().message;
 }
 
 void LiveRun::publish(const RgbdFrame& frame, const FrameReport& report) {
@@ -103,6 +114,7 @@ void LiveRun::publish_state() {
   newest_.atlas = system_.atlas();
   newest_.history = std::make_shared<const LiveHistory>(history_.snapshot());
   newest_.status = status_;
+  newest_.status.localization_only = system_.localization_only();
   newest_.status.frames_per_second = frames_per_second();
   control_.publish(std::make_shared<const LiveFrame>(newest_));
 }

@@ -34,6 +34,7 @@ class LiveRun {
 
  private:
   void carry_out(const LiveCommand& command);
+  void save_map();
   void wait_while_paused();
   void remember(const FrameReport& report);
   double frames_per_second() const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/viewer/live_run.h"
 
+#include <filesystem>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -22,8 +23,16 @@ SystemOptions quick_options() {
 
 /// A run over the wall, one call per frame, as the application's loop does it.
 struct WallRun {
+  static LiveScene scene(const std::filesystem::path& map_file) {
+    LiveScene out;
+    out.map_file = map_file;
+    return out;
+  }
+
+  explicit WallRun(const std::filesystem::path& map_file = {}) : control(scene(map_file)) {}
+
   Wall wall{60};
-  LiveControl control{LiveScene{}};
+  LiveControl control;
   SlamSystem system{wall.camera(), quick_options(), ObjectCatalogue::defaults(), nullptr};
   LiveRun live{control, system};
   int next = 0;
@@ -98,6 +107,41 @@ TEST(LiveRun, QuitEndsItAlsoWhilePaused) {
   run.control.send(live::Quit{});
   EXPECT_FALSE(run.one_frame());
   EXPECT_EQ(run.next, 2);
+}
+
+TEST(LiveRun, LocalisationOnlyKeepsTheMapUntilItIsSwitchedOff) {
+  WallRun run;
+  run.frames(3);
+  run.control.send(live::SetLocalizationOnly{true});
+  run.frames(1);
+  const auto before = run.control.newest();
+  EXPECT_TRUE(before->status.localization_only);
+  run.frames(30);
+  EXPECT_EQ(run.control.newest()->atlas->keyframes().size(), before->atlas->keyframes().size());
+  run.control.send(live::SetLocalizationOnly{false});
+  run.frames(25);
+  EXPECT_FALSE(run.control.newest()->status.localization_only);
+  EXPECT_GT(run.control.newest()->atlas->keyframes().size(), before->atlas->keyframes().size());
+}
+
+TEST(LiveRun, SavesTheMapOrTellsWhyNot) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "ydd-live-run-save";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  {
+    WallRun run(folder / "map.ydd");
+    run.frames(3);
+    run.control.send(live::SaveMap{});
+    run.frames(1);
+    EXPECT_THAT(run.control.newest()->status.message, testing::HasSubstr("map saved to"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "map.ydd"));
+  }
+  WallRun nowhere(folder / "none/map.ydd");
+  nowhere.frames(1);
+  nowhere.control.send(live::SaveMap{});
+  nowhere.frames(1);
+  EXPECT_THAT(nowhere.control.newest()->status.message, testing::HasSubstr("none/map.ydd"));
+  std::filesystem::remove_all(folder);
 }
 
 TEST(LiveRun, ResetStartsAfreshAndSaysSo) {

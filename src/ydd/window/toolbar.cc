@@ -69,6 +69,21 @@ void draw_variants(const PanelFacts& facts, PanelRequests& requests) {
   ImGui::EndDisabled();
 }
 
+void draw_map_controls(const LiveStatus& status, PanelRequests& requests) {
+  gap();
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextDisabled("map");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(status.finished);
+  if (choice("keep as is", status.localization_only)) {
+    requests.commands.emplace_back(live::SetLocalizationOnly{!status.localization_only});
+  }
+  tooltip("Localisation only: use the map without changing it (L)");
+  if (ImGui::Button("Save")) requests.commands.emplace_back(live::SaveMap{});
+  tooltip("Save the map of now: --save-map's file, else map.ydd in the run's folder (M)");
+  ImGui::EndDisabled();
+}
+
 void draw_eye(ViewState& state, PanelRequests& requests) {
   gap();
   ImGui::AlignTextToFramePadding();
@@ -116,6 +131,7 @@ void draw_toolbar(const PixelRect& where, const PanelFacts& facts, ViewState& st
   ImGui::Begin("toolbar", nullptr, kBar);
   draw_playback(facts.live->status, requests);
   draw_variants(facts, requests);
+  draw_map_controls(facts.live->status, requests);
   draw_eye(state, requests);
   gap();
   if (ImGui::Button("Screenshot")) requests.screenshot = true;
@@ -139,6 +155,10 @@ void take_run_key(char key, const LiveStatus& status, PanelRequests& requests) {
   }
   if (key == 'S') requests.commands.emplace_back(live::Step{});
   if (key == 'R') requests.ask_reset = true;
+  if (key == 'L') {
+    requests.commands.emplace_back(live::SetLocalizationOnly{!status.localization_only});
+  }
+  if (key == 'M') requests.commands.emplace_back(live::SaveMap{});
 }
 
 }  // namespace
