@@ -23,6 +23,7 @@ constexpr double kNear_rad = 0.35;
 // Older than this, or it would only be the next moment of the same look.
 constexpr double kApart_s = 6.0;
 constexpr std::size_t kCandidates = 5;
+constexpr std::size_t kPerPlace = 6;
 constexpr double kRight_m = 0.10;  // of a verified pose
 constexpr double kRight_rad = 0.05;
 
@@ -87,7 +88,7 @@ void ask(const Atlas& atlas, const Place& query, const std::vector<Place>& place
     return past(p.id) && same_place(p.T_true_camera, query.T_true_camera);
   });
   ++(revisit ? counts.queries : counts.strangers);
-  const auto candidates = query_places(atlas, *keyframe.words, past, kCandidates);
+  const auto candidates = query_places(atlas, *keyframe.words, past, kPerPlace * kCandidates);
   if (candidates.empty()) return;
   const auto best = std::find_if(places.begin(), places.end(), [&](const Place& p) {
     return p.id == candidates.front().keyframe;
@@ -95,13 +96,17 @@ void ask(const Atlas& atlas, const Place& query, const std::vector<Place>& place
   const bool right = best != places.end() && same_place(best->T_true_camera, query.T_true_camera);
   (right ? counts.right : counts.wrong).push_back(candidates.front().score);
   std::vector<KeyFrameId> ids;
-  for (const PlaceCandidate& c : candidates) ids.push_back(c.keyframe);
+  for (const PlaceCandidate& c : distinct_places(atlas, candidates, kCandidates)) {
+    ids.push_back(c.keyframe);
+  }
   RelocalizationOptions strict = options.match;
   strict.min_inliers = options.min_inliers;
   const auto found =
-      relocalize(atlas, as_frame(keyframe), ids, strict, PoseOnlyOptions(), MatchLimits());
-  if (found)
-    ++(is_right(atlas, *found, query, places) ? counts.verified_right : counts.verified_wrong);
+      relocalize_uniquely(atlas, as_frame(keyframe), ids, strict, PoseOnlyOptions(), MatchLimits());
+  if (!found) return;
+  const bool true_pose = is_right(atlas, *found, query, places);
+  if (!true_pose) ++counts.verified_wrong;
+  if (true_pose && revisit) ++counts.verified_right;
 }
 
 void add_atlas(const Atlas& atlas, const std::vector<Place>& places, Counts& counts) {
