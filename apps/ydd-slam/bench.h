@@ -22,7 +22,9 @@ struct BenchRequest {
   std::vector<std::string> sequences;
   int simulated = 0;  ///< busy rooms to render and add, seeds 1, 2, ...
   int simulated_frames = 200;
-  std::string detector;      ///< detector file; empty: recorded boxes beside the sequence
+  std::string detector;  ///< detector file; empty: recorded boxes beside the sequence
+  std::vector<std::string> detector_set;  ///< key=value for the detector
+  std::string detect;        ///< of speed: every-frame or asynchronous; empty: as configured
   bool boxes_needed = true;  ///< a sequence without boxes is an error
   int runs = 5;
   std::string out;  ///< JSON file; empty: none

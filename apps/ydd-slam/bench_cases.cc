@@ -28,7 +28,8 @@ Result<fs::path> recorded_beside(const fs::path& folder, bool needed) {
 
 /// Runs the detector over a sequence once, so that all variants get the same boxes.
 Result<fs::path> record(const BenchRequest& request, const fs::path& folder, const fs::path& file) {
-  Result<std::unique_ptr<Detector>> detector = make_detector(request.detector);
+  Result<std::unique_ptr<Detector>> detector =
+      make_detector(request.detector, request.detector_set);
   if (!detector) return detector.error();
   Result<Sequence> sequence = Sequence::open(folder);
   if (!sequence) return sequence.error();

@@ -40,10 +40,13 @@ void add_bench(CLI::App& parent, Job& job, const std::string& name, const std::s
   command->add_option("--detector", request->detector,
                       "Detector YAML; default: boxes recorded beside the sequence "
                       "(detections.jsonl, detections_gt.jsonl)");
+  command->add_option("--detector-set", request->detector_set, "Set one detector option: key=value")
+      ->allow_extra_args(false);
   command->add_option("--runs", request->runs, "Runs per figure (the median is given)")
       ->check(CLI::Range(1, 100));
   command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
   if (bench == &bench_speed) {
+    command->add_option("--detect", request->detect, "every-frame or asynchronous");
     command
         ->add_option("--against", request->against,
                      "Compare in pairs with a configuration B that also sets key=value")

@@ -37,9 +37,13 @@ Result<void> add_run(const BenchCase& bench_case, const BenchRequest& request, c
   };
   if (!request.detector.empty()) {
     option("--detector", request.detector);
+    for (const std::string& assignment : request.detector_set) {
+      option("--detector-set", assignment);
+    }
   } else if (!bench_case.detections.empty()) {
     option("--detections", bench_case.detections.string());
   }
+  if (!request.detect.empty()) option("--detect", request.detect);
   if (setup.realtime) arguments.emplace_back("--realtime");
   for (const std::string& assignment : setup.set) option("--set", assignment);
   const EnergyMeter meter;
@@ -202,6 +206,8 @@ Result<std::string> bench_speed(const BenchRequest& request, const fs::path& scr
                {"set", request.set},
                {"against", request.against},
                {"detector", fs::path(request.detector).filename().string()},
+               {"detector_set", request.detector_set},
+               {"detect", request.detect},
                {"series", Json::array()}};
   for (const BenchCase& bench_case : *cases) {
     for (const bool realtime : {false, true}) {
