@@ -86,6 +86,9 @@ class ServedRun {
 };
 
 TEST(LivePage, TakesCommandsAndTheRunLeavesItsResults) {
+  // A dozen frames at the camera's pace: sanitized, they are over or dropped before a command
+  // comes.
+  if (kSanitized) GTEST_SKIP() << "too few frames to step through";
   const TemporaryFolder folder;
   ServedRun run(folder / "a");
   ASSERT_FALSE(run.url().empty()) << run.said();
