@@ -13,6 +13,7 @@
 
 #include "ydd/base/file_lock.h"
 #include "ydd/base/files.h"
+#include "ydd/base/temporary_folder_testing.h"
 #include "ydd/map/map_dump.h"
 #include "ydd/map/world_testing.h"
 
@@ -59,14 +60,6 @@ void write_bytes(const fs::path& file, std::string_view bytes) {
 
 class MapFileTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "ydd-map-XXXXXX").string();
-    ASSERT_TRUE(::mkdtemp(pattern.data()));
-    folder_ = pattern;
-    file_ = folder_ / "a.map";
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::vector<std::string> names() const {
     std::vector<std::string> out;
     for (const auto& entry : fs::directory_iterator(folder_)) {
@@ -87,7 +80,9 @@ class MapFileTest : public testing::Test {
     EXPECT_TRUE(bytes_of(file) == before) << "the file was changed";
   }
 
-  fs::path folder_, file_;
+  TemporaryFolder temporary_;
+  fs::path folder_ = temporary_.path();
+  fs::path file_ = folder_ / "a.map";
 };
 
 TEST_F(MapFileTest, BringsBackAnEqualAtlas) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "ydd/base/files.h"
+#include "ydd/base/temporary_folder_testing.h"
 #include "ydd/map/map_dump.h"
 #include "ydd/map/map_file.h"
 #include "ydd/system/merge_maps.h"
@@ -34,13 +35,6 @@ SystemOptions options_for(bool deterministic) {
 
 class LastingMap : public testing::TestWithParam<bool> {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "ydd-last-XXXXXX").string();
-    ASSERT_TRUE(::mkdtemp(pattern.data()));
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::unique_ptr<SlamSystem> start(std::optional<Atlas> map = std::nullopt) {
     return std::make_unique<SlamSystem>(wall_.camera(), options_, ObjectCatalogue::defaults(),
                                         nullptr, std::move(map));
@@ -61,7 +55,8 @@ class LastingMap : public testing::TestWithParam<bool> {
 
   Wall wall_{kFrames};
   SystemOptions options_ = options_for(GetParam());
-  fs::path folder_;
+  TemporaryFolder temporary_;
+  fs::path folder_ = temporary_.path();
 };
 
 INSTANTIATE_TEST_SUITE_P(Both, LastingMap, testing::Values(true, false), [](const auto& test) {

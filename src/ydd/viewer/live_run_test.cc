@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ydd/base/temporary_folder_testing.h"
 #include "ydd/system/picture_testing.h"
 
 namespace ydd {
@@ -125,9 +126,7 @@ TEST(LiveRun, LocalisationOnlyKeepsTheMapUntilItIsSwitchedOff) {
 }
 
 TEST(LiveRun, SavesTheMapOrTellsWhyNot) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "ydd-live-run-save";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
+  const TemporaryFolder folder;
   {
     WallRun run(folder / "map.ydd");
     run.frames(3);
@@ -141,7 +140,6 @@ TEST(LiveRun, SavesTheMapOrTellsWhyNot) {
   nowhere.control.send(live::SaveMap{});
   nowhere.frames(1);
   EXPECT_THAT(nowhere.control.newest()->status.message, testing::HasSubstr("none/map.ydd"));
-  std::filesystem::remove_all(folder);
 }
 
 TEST(LiveRun, ResetStartsAfreshAndSaysSo) {

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ydd/base/temporary_folder_testing.h"
+
 namespace ydd {
 namespace {
 
@@ -11,15 +13,8 @@ namespace fs = std::filesystem;
 
 class VideoFileTest : public testing::Test {
  protected:
-  VideoFileTest()
-      : folder_(fs::path(testing::TempDir()) /  // tests run side by side
-                (std::string("ydd-video-") +
-                 testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~VideoFileTest() override { fs::remove_all(folder_); }
-  fs::path folder_;
+  TemporaryFolder temporary_;
+  fs::path folder_ = temporary_.path();
 };
 
 ColourImage grey(std::uint8_t value) {
