@@ -67,16 +67,6 @@ bool is_right(const Atlas& atlas, const Relocalization& found, const Place& quer
   return error.translation().norm() < kRight_m && error.angle_rad() < kRight_rad;
 }
 
-TrackedFrame as_frame(const KeyFrame& keyframe) {
-  TrackedFrame frame;
-  frame.index = keyframe.frame_index;
-  frame.stamp = keyframe.stamp;
-  frame.observations = keyframe.observations;
-  frame.grid = keyframe.grid;
-  frame.points.assign(keyframe.features().size(), MapPointId{});
-  return frame;
-}
-
 /// Asks for the place of one keyframe among those that are long past.
 void ask(const Atlas& atlas, const Place& query, const std::vector<Place>& places,
          const LoopOptions& options, Counts& counts) {

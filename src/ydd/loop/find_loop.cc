@@ -17,17 +17,6 @@ constexpr int kNeighbourhood = 30;        // keyframes around the matched one
 constexpr double kGuidedRadius_px = 2.0;  // factor of the local search
 constexpr std::size_t kWitnesses = 5;     // neighbours asked for consistency
 
-/// A keyframe as the tracker sees a frame, with nothing known about it.
-TrackedFrame as_frame(const KeyFrame& keyframe) {
-  TrackedFrame frame;
-  frame.index = keyframe.frame_index;
-  frame.stamp = keyframe.stamp;
-  frame.observations = keyframe.observations;
-  frame.grid = keyframe.grid;
-  frame.points.assign(keyframe.features().size(), MapPointId{});
-  return frame;
-}
-
 /// Keyframes that share points with `id`, itself, and their best neighbours: seeing these again is
 /// no news.
 std::set<KeyFrameId> connected(const Atlas& atlas, KeyFrameId id) {

@@ -24,6 +24,17 @@ struct TrackedFrame {
   const Features& features() const { return observations->features; }
 };
 
+/// A keyframe as the tracker sees a frame, with nothing known about it.
+inline TrackedFrame as_frame(const KeyFrame& keyframe) {
+  TrackedFrame frame;
+  frame.index = keyframe.frame_index;
+  frame.stamp = keyframe.stamp;
+  frame.observations = keyframe.observations;
+  frame.grid = keyframe.grid;
+  frame.points.assign(keyframe.features().size(), MapPointId{});
+  return frame;
+}
+
 /// A point in the world that the frame might see, and how it was matched.
 struct PointMatch {
   int keypoint = 0;         ///< of the frame
