@@ -52,6 +52,7 @@ std::string report_html(std::string_view title, std::string_view data_json, Repo
       {"@TITLE@", html_text(title)},
       {"@LIBRARY_CSS@", joined(kLibraryCss)},
       {"@LIBRARY_JS@", joined(kLibraryJs)},
+      {"@LICENCE@", joined(kLicence)},
       {"@COMMON_JS@", joined(kCommonJs)},
       {"@PAGE_JS@", page == ReportPage::one_run ? joined(kPageJs) : joined(kCompareJs)},
       // No HTML parser mistakes this for a tag: outside strings JSON has no '<' anyway.

@@ -26,6 +26,7 @@ std::string replaced(std::string text, std::string_view mark, const std::string&
 std::string live_page() {
   // The template has each mark once, before anything is filled in that could look like one.
   std::string page = replaced(joined(kTemplate), "@PAGE_JS@", joined(kPageJs));
+  page = replaced(std::move(page), "@LICENCE@", joined(kLicence));
   page = replaced(std::move(page), "@LIBRARY_CSS@", joined(kLibraryCss));
   return replaced(std::move(page), "@LIBRARY_JS@", joined(kLibraryJs));
 }
