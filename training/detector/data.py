@@ -186,7 +186,7 @@ class Augmenter:
             return self.f.sample(int(rng.choice(self.real)))
         k = int(self.rendered[min(np.searchsorted(self.odds, rng.random()), len(self.rendered) - 1)])
         u = rng.random()
-        if u < 0.22 and len(self.real):
+        if u < 0.35 and len(self.real):
             return self.f.composite(k, int(rng.choice(self.real)))
         return self.f.sample(k)
 

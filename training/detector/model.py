@@ -7,6 +7,8 @@ import math
 import torch
 from torch import Tensor, nn
 
+from .fused import batch_norm_silu
+
 STRIDES = (8, 16, 32)
 # Anchors (width, height in pixels) of the published COCO weights, which the project's decoder knows.
 ANCHORS = (
@@ -26,7 +28,10 @@ class Conv(nn.Module):
         self.act = nn.SiLU(inplace=True)
 
     def forward(self, x: Tensor) -> Tensor:
-        return self.act(self.norm(self.conv(x)))
+        x = self.conv(x)
+        if self.training and x.dtype == torch.bfloat16:
+            return batch_norm_silu(x, self.norm)
+        return self.act(self.norm(x))
 
     def fuse(self) -> None:
         n, c = self.norm, self.conv
@@ -111,7 +116,8 @@ class Yolo(nn.Module):
         f3 = self.top3(torch.cat((self.up(l4), p3), 1))
         f4 = self.bot4(torch.cat((self.pan3(f3), l4), 1))
         f5 = self.bot5(torch.cat((self.pan4(f4), l5), 1))
-        return [h(f) for h, f in zip(self.heads, (f3, f4, f5))]
+        with torch.autocast("cpu", enabled=False):  # box sides need more than eight bits
+            return [h(f.float()) for h, f in zip(self.heads, (f3, f4, f5))]
 
     def fuse(self) -> "Yolo":
         for m in self.modules():

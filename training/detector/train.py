@@ -10,16 +10,20 @@ import argparse
 import copy
 import csv
 import math
+import multiprocessing
+import os
 import pathlib
 import time
 
 import cv2
 import numpy as np
 import torch
+import torch.distributed as dist
 from torch import Tensor, nn
 
 from .classes import CLASSES
 from .data import Augmenter, Frames, Sample
+from .fused import library
 from .loss import LossWeights, loss
 from .model import Yolo
 
@@ -35,11 +39,9 @@ def rate(step: int, args: argparse.Namespace) -> float:
     return args.lr * (0.02 + 0.98 * 0.5 * (1 - math.cos(math.pi * left / args.decay)))
 
 
-def batch(augmenter: Augmenter, size: int, seed: int, step: int, calm: bool) -> tuple[Tensor, Tensor, Tensor]:
+def batch(samples: list[Sample]) -> tuple[Tensor, Tensor, Tensor]:
     """Images [b, 3, h, w] RGB 0..1; targets image, class, cx, cy, w, h; regions image, x0, y0, x1, y1."""
-    rng = np.random.default_rng([seed, step])
-    samples: list[Sample] = [augmenter.draw(rng, calm) for _ in range(size)]
-    x = np.stack([s.image[..., ::-1].transpose(2, 0, 1) for s in samples]).astype(np.float32) / 255
+    x = torch.from_numpy(np.stack([s.image[..., ::-1] for s in samples])).permute(0, 3, 1, 2).float() / 255
     targets, regions = [], []
     for i, s in enumerate(samples):
         c, b = s.boxes[:, :1], s.boxes[:, 1:]
@@ -47,7 +49,15 @@ def batch(augmenter: Augmenter, size: int, seed: int, step: int, calm: bool) -> 
         targets.append(np.column_stack([np.full(len(c), i), c, centre, side]))
         regions.append(np.column_stack([np.full(len(s.ignore), i), s.ignore[:, 1:]]))
     t = lambda rows: torch.from_numpy(np.concatenate(rows).astype(np.float32))
-    return torch.from_numpy(x), t(targets), t(regions)
+    return x, t(targets), t(regions)
+
+
+def draw(augmenters: list[Augmenter], args: argparse.Namespace, step: int, rank: int) -> list[Sample]:
+    """The samples of one worker for one step: all of one size, as many as cost the same at every size."""
+    a = augmenters[int(np.random.default_rng([args.seed, step]).integers(len(augmenters)))]
+    smallest, calm = min(b.w * b.h for b in augmenters), args.steps - step < args.decay // 4
+    rng = np.random.default_rng([args.seed, step, rank])
+    return [a.draw(rng, calm) for _ in range(round(args.batch * smallest / (a.w * a.h)))]
 
 
 def optimiser(net: nn.Module, args: argparse.Namespace) -> torch.optim.Optimizer:
@@ -60,7 +70,7 @@ def optimiser(net: nn.Module, args: argparse.Namespace) -> torch.optim.Optimizer
 
 @torch.no_grad()
 def average(ema: nn.Module, net: nn.Module, step: int) -> None:
-    d = min(0.998, (1 + step) / (20 + step))
+    d = min(0.999, (1 + step) / (20 + step))
     for (k, e), v in zip(ema.state_dict().items(), net.state_dict().values()):
         if e.dtype.is_floating_point:
             e.mul_(d).add_(v, alpha=1 - d)
@@ -96,65 +106,115 @@ def draw_curve(log: pathlib.Path, out: pathlib.Path) -> None:
     plt.close(fig)
 
 
-def train(args: argparse.Namespace) -> None:
-    torch.manual_seed(args.seed)
-    torch.set_num_threads(args.threads)
+def share_gradients(net: nn.Module, workers: int) -> None:
+    """Every worker gets the mean of all."""
+    if workers == 1:
+        return
+    grads = [p.grad for p in net.parameters() if p.grad is not None]
+    flat = torch.cat([g.reshape(-1) for g in grads])
+    dist.all_reduce(flat)
+    for g, part in zip(grads, flat.split([g.numel() for g in grads])):
+        g.copy_(part.view_as(g)).div_(workers)
+
+
+class Log:
+    """log.csv, and the same lines to read; the mean of the losses since the last line."""
+
+    def __init__(self, file: pathlib.Path, fresh: bool):
+        self.file, self.parts = file.open("w" if fresh else "a", newline=""), []
+        self.out = csv.writer(self.file)
+        if fresh:
+            self.out.writerow(FIELDS)
+        self.wall, self.cpu = time.time(), time.process_time()
+
+    def write(self, step: int, lr: float) -> None:
+        row = [step, f"{lr:.6f}", *(f"{m:.5f}" for m in np.mean(self.parts, 0))]
+        row += [f"{time.time() - self.wall:.0f}", f"{time.process_time() - self.cpu:.0f}"]
+        self.out.writerow(row), self.file.flush()
+        print(*row, flush=True)
+        self.parts = []
+
+
+def work(rank: int, frames: Frames, args: argparse.Namespace) -> None:
+    """One worker: its own samples, the same weights as the others."""
+    torch.set_num_threads(1)
     cv2.setNumThreads(1)
-    frames = Frames(args.frames)
-    augmenter = Augmenter(frames, *args.size)
-    print(f"{len(frames)} frames, {len(augmenter.real)} of them real", flush=True)
-    net = Yolo(len(CLASSES), args.width, args.depth).train()
+    torch.manual_seed(args.seed)
+    if args.workers > 1:
+        where = f"file://{(args.run / 'workers').resolve()}"
+        dist.init_process_group("gloo", init_method=where, rank=rank, world_size=args.workers)
+    net = Yolo(len(CLASSES), args.width, args.depth).to(memory_format=torch.channels_last).train()
     ema = copy.deepcopy(net).eval()
     opt, start, last = optimiser(net, args), 0, args.run / "last.pt"
-    args.run.mkdir(parents=True, exist_ok=True)
     if last.exists():
         state = torch.load(last, map_location="cpu")
         net.load_state_dict(state["net"]), ema.load_state_dict(state["ema"])
         opt.load_state_dict(state["optimiser"])
         start = state["step"]
-    log = (args.run / "log.csv").open("a", newline="")
-    out = csv.writer(log)
-    if start == 0:
-        out.writerow(FIELDS)
-    t0, c0, parts = time.time(), time.process_time(), []
+    augmenters = [Augmenter(frames, *size) for size in args.sizes]
+    log = Log(args.run / "log.csv", start == 0) if rank == 0 else None
     for step in range(start, args.steps):
         for g in opt.param_groups:
             g["lr"] = rate(step, args)
-        x, targets, regions = batch(augmenter, args.batch, args.seed, step, args.steps - step < args.decay // 2)
-        total, p = loss(net(x), targets, regions, LossWeights())
+        x, targets, regions = batch(draw(augmenters, args, step, rank))
+        with torch.autocast("cpu", torch.bfloat16, enabled=args.precision == "bf16"):
+            outputs = net(x)
+        total, parts = loss(outputs, targets, regions, LossWeights())
         opt.zero_grad(set_to_none=True)
-        total.backward()
-        nn.utils.clip_grad_norm_(net.parameters(), 10.0 * args.batch / 16)
+        (total / len(x)).backward()
+        share_gradients(net, args.workers)
+        nn.utils.clip_grad_norm_(net.parameters(), args.clip)
         opt.step()
+        if log is None:
+            continue
         average(ema, net, step)
-        parts.append(p)
+        log.parts.append(parts)
         if (step + 1) % args.every == 0 or step + 1 == args.steps:
-            mean = np.mean(parts, 0)
-            row = [step + 1, f"{rate(step, args):.6f}", *(f"{m:.5f}" for m in mean)]
-            row += [f"{time.time() - t0:.0f}", f"{time.process_time() - c0:.0f}"]
-            out.writerow(row), log.flush()
-            print(*row, flush=True)
-            parts = []
+            log.write(step + 1, rate(step, args))
             save(last, step + 1, net, ema, opt, args)
+
+
+def train(args: argparse.Namespace) -> None:
+    args.run.mkdir(parents=True, exist_ok=True)
+    (args.run / "workers").unlink(missing_ok=True)
+    library()
+    frames = Frames(args.frames)
+    print(f"{len(frames)} frames, {sum(frames.real)} of them real", flush=True)
+    others = [multiprocessing.get_context("fork").Process(target=work, args=(k, frames, args)) for k in range(1, args.workers)]
+    for o in others:
+        o.start()
+    work(0, frames, args)
+    for o in others:
+        o.join()
     draw_curve(args.run / "log.csv", args.run / "curve.png")
 
 
+def size(text: str) -> tuple[int, int]:
+    w, h = (int(v) for v in text.split("x"))
+    if w % 32 or h % 32:
+        raise argparse.ArgumentTypeError(f"{text}: width and height must be multiples of 32")
+    return w, h
+
+
 def main() -> None:
+    os.environ.setdefault("GLOO_SOCKET_IFNAME", "lo")
     ap = argparse.ArgumentParser(description=__doc__)
     a = ap.add_argument
     a("--run", type=pathlib.Path, required=True)
     a("--frames", type=pathlib.Path, nargs="+", required=True)
-    a("--steps", type=int, default=4000)
-    a("--decay", type=int, default=1500)
-    a("--warmup", type=int, default=100)
-    a("--batch", type=int, default=16)
-    a("--size", type=int, nargs=2, default=[320, 256], help="width and height, multiples of 32")
-    a("--lr", type=float, default=2e-3)
+    a("--steps", type=int, default=10000)
+    a("--decay", type=int, default=5000)
+    a("--warmup", type=int, default=300)
+    a("--batch", type=int, default=16, help="pictures of the smallest size that a worker takes a step")
+    a("--sizes", type=size, nargs="+", default=[(320, 256), (320, 256), (416, 320)], help="one is drawn for every step")
+    a("--workers", type=int, default=2, help="processes of one thread")
+    a("--precision", choices=("bf16", "fp32"), default="bf16", help="fp32 for processors without bfloat16")
+    a("--clip", type=float, default=0.6, help="largest norm of a gradient")
+    a("--lr", type=float, default=1.5e-3)
     a("--weight-decay", type=float, default=0.02)
     a("--width", type=float, default=0.25)
     a("--depth", type=float, default=0.33)
     a("--seed", type=int, default=1)
-    a("--threads", type=int, default=2)
     a("--every", type=int, default=50, help="steps between log lines and checkpoints")
     train(ap.parse_args())
 

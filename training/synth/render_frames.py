@@ -128,11 +128,13 @@ def main() -> None:
     ap.add_argument("--render", type=pathlib.Path, default=os.environ.get("YDD_RENDER", "../../shared/render"))
     ap.add_argument("--count", type=int, default=3000)
     ap.add_argument("--seed", type=int, default=1)
+    ap.add_argument("--every", type=int, default=1, help="render frames START, START + EVERY, ...: for two processes")
+    ap.add_argument("--start", type=int, default=0)
     args = ap.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     composer, raster = studio(pathlib.Path(args.render), args.out / ".lib", args.seed)
     start = time.time()
-    for k in range(args.count):
+    for n, k in enumerate(range(args.start, args.count, args.every), 1):
         name = f"{k:06d}"
         if (args.out / f"{name}.json").exists():
             continue
@@ -143,8 +145,8 @@ def main() -> None:
         tmp = args.out / f"{name}.tmp"
         tmp.write_text(json.dumps(truth))
         tmp.rename(args.out / f"{name}.json")
-        if k % 100 == 99:
-            print(f"{k + 1} frames, {(time.time() - start) / (k + 1):.2f} s each", flush=True)
+        if n % 100 == 0:
+            print(f"{n} frames, {(time.time() - start) / n:.2f} s each", flush=True)
 
 
 if __name__ == "__main__":
