@@ -6,7 +6,7 @@ install(TARGETS ydd_flags ${rooms} EXPORT ydd-slam-targets
 install(TARGETS ydd-slam RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY src/ydd DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING
         PATTERN "*.h" PATTERN "*_testing.h" EXCLUDE)
-install(DIRECTORY configs DESTINATION ${CMAKE_INSTALL_DATADIR}/ydd-slam)
+install(DIRECTORY configs models DESTINATION ${CMAKE_INSTALL_DATADIR}/ydd-slam)
 install(EXPORT ydd-slam-targets NAMESPACE ydd:: FILE ydd-slam-targets.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ydd-slam)
 configure_package_config_file(cmake/ydd-slam-config.cmake.in

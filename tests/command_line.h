@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -27,6 +28,10 @@ inline constexpr bool kSanitized = true;
 #else
 inline constexpr bool kSanitized = false;
 #endif
+
+/// Runs look at their frames only where a test says with what.
+inline const int kNoDetectorByDefault =
+    ::setenv("YDD_DETECTOR", "none", 0);  // NOLINT(concurrency-mt-unsafe): before main
 
 /// What a call of the binary left.
 struct Outcome {

@@ -162,6 +162,11 @@ const std::vector<Bad>& bad_inputs() {
          return Arguments{"simulate", folder / "out", "--path", "spiral"};
        },
        {"spiral", "xyz"}},
+      {"DetectWithNoDetector",  // the environment says none
+       [](const TemporaryFolder& folder) {
+         return Arguments{"detect", few_frames(), "--out", folder / "out/d.jsonl"};
+       },
+       {"--detector FILE"}},
       {"DetectWithAMissingDetector",
        [](const TemporaryFolder& folder) {
          return Arguments{"detect",       few_frames(), "--detector",
@@ -229,7 +234,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Usage{"OutOfRange", {"simulate", "x", "--jobs", "-1"}},
                     Usage{"ReportOfNothing", {"report"}},
                     Usage{"UnknownLogLevel", {"--log-level", "loud", "options"}},
-                    Usage{"NoDetector", {"detect", "x", "--out", "y"}}),
+                    Usage{"NoOutput", {"detect", "x"}}),
     [](const auto& test) { return test.param.name; });
 
 TEST_P(WrongUsage, ExitsWithTwo) {

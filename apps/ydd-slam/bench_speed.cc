@@ -5,6 +5,7 @@
 
 #include "bench.h"
 #include "child_run.h"
+#include "default_detector.h"
 #include "energy.h"
 #include "ydd/base/files.h"
 #include "ydd/base/log.h"
@@ -42,6 +43,8 @@ Result<void> add_run(const BenchCase& bench_case, const BenchRequest& request, c
     }
   } else if (!bench_case.detections.empty()) {
     option("--detections", bench_case.detections.string());
+  } else {
+    option("--detector", kNoDetector);
   }
   if (!request.detect.empty()) option("--detect", request.detect);
   if (setup.realtime) arguments.emplace_back("--realtime");

@@ -6,6 +6,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "commands.h"
+#include "default_detector.h"
 #include "progress.h"
 #include "terminal.h"
 #include "ydd/base/timing.h"
@@ -116,7 +117,13 @@ void print_summary(const DetectRun& run, const DetectRequest& request) {
   if (!request.pictures.empty()) fmt::print("pictures in {}\n", request.pictures);
 }
 
-Result<void> detect_sequence(const DetectRequest& request) {
+Result<void> detect_sequence(DetectRequest request) {
+  if (request.detector.empty()) {
+    Result<std::string> detector = default_detector();
+    if (!detector) return detector.error();
+    request.detector = *std::move(detector);
+  }
+  if (request.detector == kNoDetector) return Error{"detect needs a detector: --detector FILE"};
   const Result<Sequence> sequence = Sequence::open(request.sequence, request.sequence_options);
   if (!sequence) return sequence.error();
   const Result<ObjectCatalogue> catalogue = request.objects.empty()
@@ -144,8 +151,9 @@ void add_detect_command(CLI::App& app, Job& job) {
   auto* command =
       app.add_subcommand("detect", "Write the objects that networks see, to be replayed");
   command->add_option("sequence", request->sequence, "Folder in the TUM RGB-D layout")->required();
-  command->add_option("--detector", request->detector, "Detector file (configs/detector/*.yaml)")
-      ->required();
+  command->add_option("--detector", request->detector,
+                      "Detector file (configs/detector/*.yaml; default: YDD_DETECTOR, else the "
+                      "network of the programme)");
   command->add_option("--out", request->out, "JSON lines to write")->required();
   command
       ->add_option("--set", request->set,
@@ -169,8 +177,7 @@ void add_detect_command(CLI::App& app, Job& job) {
   command->footer(
       "Models are looked for beside the detector file and in the folder YDD_MODELS.\n"
       "Examples:\n"
-      "  ydd-slam detect office --detector configs/detector/coco_body_head_hand.yaml \\\n"
-      "    --out detections.jsonl --pictures seen\n"
+      "  ydd-slam detect office --out detections.jsonl --pictures seen\n"
       "  ydd-slam detect office --detector configs/detector/coco_body_head_hand.yaml \\\n"
       "    --set 'networks.*.input.width=320' --set 'networks.*.input.height=256' --out d.jsonl\n"
       "  ydd-slam run office --detections detections.jsonl --dynamic full");

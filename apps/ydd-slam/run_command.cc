@@ -32,7 +32,8 @@ void add_method_options(CLI::App& command, RunRequest& request) {
   command.add_option("--set", request.set, "Set one option: key=value")->allow_extra_args(false);
   command.add_option("--dynamic", request.dynamic, "What is rejected: off | box | person | full");
   command.add_option("--detector", request.detector,
-                     "Detector YAML (configs/detector/): look for objects in every frame");
+                     "Detector YAML (configs/detector/) that looks for objects; none: no "
+                     "detector (default: YDD_DETECTOR, else the network of the programme)");
   command.add_option("--detector-set", request.detector_set, "Set one detector option: key=value")
       ->allow_extra_args(false);
   command.add_option(
@@ -145,9 +146,9 @@ void add_run_command(CLI::App& app, Job& job) {
       "Examples:\n"
       "  ydd-slam run rgbd_dataset_freiburg1_xyz\n"
       "  ydd-slam run my_recording --camera my_camera.yaml --out results\n"
+      "  ydd-slam run my_recording --realtime --detect asynchronous\n"
       "  ydd-slam run my_recording --detector configs/detector/coco_body_head_hand.yaml\n"
-      "  ydd-slam run my_recording --realtime --detect asynchronous \\\n"
-      "      --detector configs/detector/coco_body_head_hand.yaml\n"
+      "  ydd-slam run my_recording --detector none\n"
       "  ydd-slam run samples/office_crowd --view\n"
       "  ydd-slam run samples/office_crowd --realtime --serve\n"
       "  ydd-slam run samples/office_crowd --detections samples/office_crowd/detections.jsonl \\\n"

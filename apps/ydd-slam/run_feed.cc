@@ -72,13 +72,14 @@ class Feed {
 
   Result<void> run() {
     FrameSource source(input_.sequence, input_.camera);
-    for (std::size_t i = 0; i < end_ && ready(); ++i) {
+    for (std::size_t i = 0; i < end_; ++i) {
       const auto frame = source.next();
       if (!frame) break;
       if (input_.request.realtime && overtaken(input_.sequence, i, end_, pace_)) {
         recorder_.add_dropped(1);
         continue;
       }
+      if (!ready()) break;  // after the drops: a step is a frame that is seen
       if (input_.request.realtime) pace_.wait_until_due(input_.sequence.entry(i).stamp);
       if (auto r = *frame ? feed_frame(**frame) : skip(i, frame->error()); !r) return r;
     }

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/version.hpp>
 
+#include "default_detector.h"
 #include "moment_files.h"
 #include "run_folder.h"
 #include "run_job.h"
@@ -68,11 +69,23 @@ Result<ObjectCatalogue> run_catalogue(const RunRequest& request) {
                                  : ObjectCatalogue::load(request.objects);
 }
 
-Result<std::unique_ptr<Detector>> make_run_detector(const RunRequest& request,
-                                                    const ObjectCatalogue& catalogue) {
+/// The request with the detector that it means: a run that rejects nothing, or replays recorded
+/// boxes, looks at nothing.
+Result<RunRequest> with_detector(RunRequest request, const std::string& variant) {
   if (!request.detector.empty() && !request.detections.empty()) {
     return Error{"--detector and --detections: give one of the two"};
   }
+  if (request.detector.empty() && request.detections.empty() && variant != "off") {
+    Result<std::string> detector = default_detector();
+    if (!detector) return detector.error();
+    request.detector = *std::move(detector);
+  }
+  if (request.detector == kNoDetector) request.detector.clear();
+  return request;
+}
+
+Result<std::unique_ptr<Detector>> make_run_detector(const RunRequest& request,
+                                                    const ObjectCatalogue& catalogue) {
   if (!request.detector.empty()) {
     return make_detector(request.detector, request.detector_set, catalogue);
   }
@@ -159,13 +172,16 @@ std::string effective_yaml(Configuration configuration) {
 
 }  // namespace
 
-Result<RunOutcome> run_sequence(const RunRequest& request) {
-  if (auto r = check_watchers(request); !r) return r.error();
-  Result<Sequence> sequence = Sequence::open(request.sequence, request.sequence_options);
+Result<RunOutcome> run_sequence(const RunRequest& asked) {
+  if (auto r = check_watchers(asked); !r) return r.error();
+  Result<Sequence> sequence = Sequence::open(asked.sequence, asked.sequence_options);
   if (!sequence) return sequence.error();
-  const Result<Configuration> configuration = effective_configuration(request);
+  const Result<Configuration> configuration = effective_configuration(asked);
   if (!configuration) return configuration.error();
   const SystemOptions& options = configuration->options;
+  const Result<RunRequest> completed = with_detector(asked, options.dynamics.variant);
+  if (!completed) return completed.error();
+  const RunRequest& request = *completed;
   const Camera& camera = configuration->camera;
   Result<ObjectCatalogue> catalogue = run_catalogue(request);
   if (!catalogue) return catalogue.error();

@@ -32,7 +32,8 @@ struct RunRequest {
   std::vector<std::string> set;
   std::string out;
   std::string detections;  ///< recording to replay
-  std::string detector;    ///< detector file, for looking at the frames themselves
+  std::string detector;    ///< detector file, for looking at the frames themselves; empty: the
+                           ///< default one unless boxes are replayed or nothing is rejected
   std::vector<std::string> detector_set;
   std::string detect;              ///< every-frame or asynchronous; empty: as configured
   std::string objects;             ///< object catalogue; empty: the built-in one

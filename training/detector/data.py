@@ -5,6 +5,7 @@ A source is a folder with NAME.jpg, NAME.json ({"boxes": [[class, x0, y0, x1, y1
 same}) and, for rendered frames, NAME.mask.png (255: not the room itself), all of one size."""
 from __future__ import annotations
 
+import argparse
 import dataclasses
 import json
 import pathlib
@@ -17,6 +18,14 @@ from .boxes import area, clipped, intersections
 Rng = np.random.Generator
 FRAME_W, FRAME_H = 400, 300
 HAND, MOUSE, FAN = 2, 6, 13
+
+
+def size(text: str) -> tuple[int, int]:
+    """An option like 320x256."""
+    w, h = (int(v) for v in text.split("x"))
+    if w % 32 or h % 32:
+        raise argparse.ArgumentTypeError(f"{text}: width and height must be multiples of 32")
+    return w, h
 
 
 @dataclasses.dataclass
@@ -163,7 +172,9 @@ def with_holes(s: Sample, rng: Rng) -> Sample:
         a, b = rng.uniform(0.05, 0.3, 2) * [w, h]
         x, y = rng.uniform(0, w - a), rng.uniform(0, h - b)
         x0, y0, x1, y1 = int(x), int(y), int(x + a), int(y + b)
-        s.image[y0:y1, x0:x1] = rng.integers(0, 256, 3) if rng.random() < 0.6 else rng.integers(0, 256, (y1 - y0, x1 - x0, 3))
+        s.image[y0:y1, x0:x1] = (
+            rng.integers(0, 256, 3) if rng.random() < 0.6 else rng.integers(0, 256, (y1 - y0, x1 - x0, 3))
+        )
         holes.append((x0, y0, x1, y1))
     hidden = intersections(s.boxes[:, 1:], np.float32(holes)).max(1, initial=0) / np.maximum(area(s.boxes[:, 1:]), 1)
     gone = hidden > 0.5

@@ -15,6 +15,7 @@ import numpy as np
 
 from .boxes import area, intersections, iou
 from .classes import CLASSES
+from .data import size
 from .label_real import frames_of, truth
 from .networks import Found, Teachers, ours
 
@@ -42,9 +43,10 @@ def folder(d: pathlib.Path) -> list[Picture]:
 
 
 def sequence(d: pathlib.Path, span: str) -> list[Picture]:
-    """A rendered sequence with detections_gt.jsonl; its boxes of under 60 pixels are unknown."""
+    """A rendered sequence with its exact boxes; those of under 60 pixels are unknown."""
     truths = {}
-    for line in (d / "detections_gt.jsonl").read_text().splitlines():
+    exact = next(f for f in (d / "detections_gt.jsonl", d / "detections.jsonl") if f.exists())
+    for line in exact.read_text().splitlines():
         t = json.loads(line)
         truths[pathlib.Path(t["file"]).stem] = t["detections"]
     out = []
@@ -73,12 +75,16 @@ def taught(d: pathlib.Path, span: str, models: pathlib.Path, empty: bool) -> lis
     return out
 
 
-def eyeballed(file: pathlib.Path, data: pathlib.Path) -> list[Picture]:
-    t, out = json.loads(file.read_text()), []
+def eyeballed(file: pathlib.Path, data: pathlib.Path, trained: set[pathlib.Path]) -> dict[str, list[Picture]]:
+    """By clip, without the frames that were trained on."""
+    t: dict = json.loads(file.read_text())
+    out: dict[str, list[Picture]] = {}
     known = tuple(CLASSES.index(c) for c in t["classes"])
     for f in t["frames"]:
         to = lambda bs: rows([[CLASSES.index(b[0]), *b[1:]] for b in bs])
-        out.append(Picture(data / f["file"], to(f["boxes"]), to(f.get("ignore", [])), known))
+        if data / f["file"] not in trained:
+            p = Picture(data / f["file"], to(f["boxes"]), to(f.get("ignore", [])), known)
+            out.setdefault(f"boxes drawn by eye, {f['file'].split('/')[0]}", []).append(p)
     return out
 
 
@@ -156,26 +162,38 @@ def main() -> None:
     a = ap.add_argument
     a("model", type=pathlib.Path)
     a("--models", type=pathlib.Path, required=True, help="folder of the teachers")
-    a("--size", type=int, nargs=2, default=[320, 256])
+    a(
+        "--sizes",
+        type=size,
+        nargs="+",
+        default=[(320, 256), (416, 320)],
+        help="of our network; the teachers get the last",
+    )
     a("--threshold", type=float, default=0.3)
     a("--folder", type=pathlib.Path, nargs="*", default=[])
     a("--sequence", nargs="*", default=[], help="DIR=A:B:STEP with exact boxes")
     a("--taught", nargs="*", default=[], help="DIR=A:B:STEP, truth: confident boxes of the teachers")
     a("--eyeballed", type=pathlib.Path)
     a("--data", type=pathlib.Path, help="folder that eyeballed.json refers to")
+    a("--trained", nargs="*", default=[], help="DIR=A:B:STEP: frames that eyeballed.json has and training saw")
     a("--empty", nargs="*", default=[], help="DIR=A:B:STEP without people: false alarms")
     args = ap.parse_args()
     cv2.setNumThreads(1)
-    size = (args.size[0], args.size[1])
-    nets = {"ours": ours(args.model, size), "teachers at the same size": Teachers(args.models, size)}
+    by = lambda s: f"{s[0]}x{s[1]}"
+    nets = {f"ours {by(s)}": ours(args.model, s) for s in args.sizes}
+    nets[f"teachers {by(args.sizes[-1])}"] = Teachers(args.models, args.sizes[-1])
     part = lambda s: (pathlib.Path(s.split("=")[0]), s.split("=")[1])
     sets: dict[str, list[Picture]] = {str(d): folder(d) for d in args.folder}
     sets |= {s: sequence(*part(s)) for s in args.sequence}
     if args.eyeballed:
-        sets["boxes drawn by eye"] = eyeballed(args.eyeballed, args.data)
-    full = {**nets, "teachers at 640x480": Teachers(args.models)}
+        trained = {f for s in args.trained for f in frames_of(*part(s))}
+        sets |= eyeballed(args.eyeballed, args.data, trained)
+    full = {**nets, "teachers 640x480": Teachers(args.models)}
     for name, pictures in sets.items():
-        print(f"\n{name}: {len(pictures)} frames\n" + table({n: measure(d, pictures) for n, d in full.items()}, args.threshold))
+        print(
+            f"\n{name}: {len(pictures)} frames\n"
+            + table({n: measure(d, pictures) for n, d in full.items()}, args.threshold)
+        )
     for s in args.taught:
         pictures = taught(*part(s), args.models, False)
         print(f"\n{s}, against the teachers at 640x480: {len(pictures)} frames")

@@ -58,6 +58,8 @@ class _BatchNormSilu(torch.autograd.Function):
 
 def batch_norm_silu(x: Tensor, norm: nn.BatchNorm2d) -> Tensor:
     """What norm and then SiLU do in training, for x [b, c, h, w] in bfloat16; updates the running moments."""
+    if x.shape[1] % 16:
+        raise ValueError(f"{x.shape[1]} channels: fused.c takes multiples of 16 (--width, or --precision fp32)")
     x = x.contiguous(memory_format=torch.channels_last)
     y, mean, variance = _BatchNormSilu.apply(x, norm.weight, norm.bias, norm.eps)
     n = x.numel() // x.shape[1]

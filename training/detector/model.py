@@ -11,11 +11,7 @@ from .fused import batch_norm_silu
 
 STRIDES = (8, 16, 32)
 # Anchors (width, height in pixels) of the published COCO weights, which the project's decoder knows.
-ANCHORS = (
-    ((10, 13), (16, 30), (33, 23)),
-    ((30, 61), (62, 45), (59, 119)),
-    ((116, 90), (156, 198), (373, 326)),
-)
+ANCHORS = (((10, 13), (16, 30), (33, 23)), ((30, 61), (62, 45), (59, 119)), ((116, 90), (156, 198), (373, 326)))
 
 
 class Conv(nn.Module):
@@ -117,7 +113,8 @@ class Yolo(nn.Module):
         f4 = self.bot4(torch.cat((self.pan3(f3), l4), 1))
         f5 = self.bot5(torch.cat((self.pan4(f4), l5), 1))
         with torch.autocast("cpu", enabled=False):  # box sides need more than eight bits
-            return [h(f.float()) for h, f in zip(self.heads, (f3, f4, f5))]
+            exact = (f.float() if f.dtype != torch.float32 else f for f in (f3, f4, f5))  # no cast in an export
+            return [h(f) for h, f in zip(self.heads, exact)]
 
     def fuse(self) -> "Yolo":
         for m in self.modules():

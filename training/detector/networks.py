@@ -31,7 +31,9 @@ def empty() -> Found:
 class Network:
     """`kind`: yolov5_heads (RGB / 255) or yolox_heads (BGR 0..255); `names`: output class -> ours."""
 
-    def __init__(self, model: pathlib.Path, kind: str, names: dict[int, str], size: tuple[int, int], nms_iou: float = 0.45):
+    def __init__(
+        self, model: pathlib.Path, kind: str, names: dict[int, str], size: tuple[int, int], nms_iou: float = 0.45
+    ):
         self.net = cv2.dnn.readNetFromONNX(str(model))
         self.kind, self.size, self.nms_iou = kind, size, nms_iou
         self.names = {k: CLASSES.index(v) for k, v in names.items()}

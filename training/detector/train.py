@@ -22,7 +22,7 @@ import torch.distributed as dist
 from torch import Tensor, nn
 
 from .classes import CLASSES
-from .data import Augmenter, Frames, Sample
+from .data import Augmenter, Frames, Sample, size
 from .fused import library
 from .loss import LossWeights, loss
 from .model import Yolo
@@ -78,7 +78,9 @@ def average(ema: nn.Module, net: nn.Module, step: int) -> None:
             e.copy_(v)
 
 
-def save(path: pathlib.Path, step: int, net: nn.Module, ema: nn.Module, opt: torch.optim.Optimizer, args: argparse.Namespace) -> None:
+def save(
+    path: pathlib.Path, step: int, net: nn.Module, ema: nn.Module, opt: torch.optim.Optimizer, args: argparse.Namespace
+) -> None:
     state = {
         "step": step, "net": net.state_dict(), "ema": ema.state_dict(), "optimiser": opt.state_dict(),
         "width": args.width, "depth": args.depth, "options": {k: str(v) for k, v in vars(args).items()},
@@ -180,20 +182,15 @@ def train(args: argparse.Namespace) -> None:
     library()
     frames = Frames(args.frames)
     print(f"{len(frames)} frames, {sum(frames.real)} of them real", flush=True)
-    others = [multiprocessing.get_context("fork").Process(target=work, args=(k, frames, args)) for k in range(1, args.workers)]
+    others = [
+        multiprocessing.get_context("fork").Process(target=work, args=(k, frames, args)) for k in range(1, args.workers)
+    ]
     for o in others:
         o.start()
     work(0, frames, args)
     for o in others:
         o.join()
     draw_curve(args.run / "log.csv", args.run / "curve.png")
-
-
-def size(text: str) -> tuple[int, int]:
-    w, h = (int(v) for v in text.split("x"))
-    if w % 32 or h % 32:
-        raise argparse.ArgumentTypeError(f"{text}: width and height must be multiples of 32")
-    return w, h
 
 
 def main() -> None:

@@ -29,9 +29,7 @@ class Mesh:
     def painted(self, tex: int = -1, col: Vec | None = None, em: float = 0.0) -> "Mesh":
         m = len(self.tri)
         c = self.col if col is None else np.tile(np.float32(col), (m, 1))
-        return dataclasses.replace(
-            self, tex=np.full(m, tex, np.int16), col=c, em=np.full(m, em, np.float32)
-        )
+        return dataclasses.replace(self, tex=np.full(m, tex, np.int16), col=c, em=np.full(m, em, np.float32))
 
     def with_vertices(self, v: np.ndarray) -> "Mesh":
         return dataclasses.replace(self, v=v.astype(np.float32))
@@ -144,11 +142,13 @@ def rounded(size: Vec, power: float = 4.0, segments: int = 16) -> Mesh:
         a = -math.pi / 2 + math.pi * i / m
         for k in range(n):
             b = 2 * math.pi * k / n
-            v.append((
-                size[0] / 2 * s(math.cos(a)) * s(math.cos(b)),
-                size[1] / 2 * s(math.cos(a)) * s(math.sin(b)),
-                size[2] / 2 * (1 + s(math.sin(a))),
-            ))
+            v.append(
+                (
+                    size[0] / 2 * s(math.cos(a)) * s(math.cos(b)),
+                    size[1] / 2 * s(math.cos(a)) * s(math.sin(b)),
+                    size[2] / 2 * (1 + s(math.sin(a))),
+                )
+            )
     for i in range(m):
         for k in range(n):
             q = (k + 1) % n

@@ -33,13 +33,20 @@ class PropShop:
         "laptop": (("blendswap-cc-by/laptop", 0.24),),
         "phone": (("blendswap-cc-by/wirelessOfficePhone3", 0.06),),
         "clutter": (
-            ("scopia/penbox", 0.17), ("blendswap-cc-0/littlePlant", 0.3), ("scopia/desk_lamp1", 0.45),
-            ("scopia/letters_box", 0.07), ("scopia/office_box", 0.25), ("blendswap-cc-0/basketball", 0.24),
+            ("scopia/penbox", 0.17),
+            ("blendswap-cc-0/littlePlant", 0.3),
+            ("scopia/desk_lamp1", 0.45),
+            ("scopia/letters_box", 0.07),
+            ("scopia/office_box", 0.25),
+            ("blendswap-cc-0/basketball", 0.24),
         ),
         "furniture": (
-            ("katorlegaz/filing-cabinet", 1.0), ("blendswap-cc-by/mediumIndoorPlant", 1.15),
-            ("scopia/cardboard-box", 0.35), ("scopia/open-cardboard-box", 0.4),
-            ("katorlegaz/recycling-bin", 0.5), ("blendswap-cc-0/dustbin", 0.35),
+            ("katorlegaz/filing-cabinet", 1.0),
+            ("blendswap-cc-by/mediumIndoorPlant", 1.15),
+            ("scopia/cardboard-box", 0.35),
+            ("scopia/open-cardboard-box", 0.4),
+            ("katorlegaz/recycling-bin", 0.5),
+            ("blendswap-cc-0/dustbin", 0.35),
         ),
     }
 
@@ -123,9 +130,10 @@ class PropShop:
     def _monitor(self, rng: Rng) -> Mesh:
         w = rng.uniform(0.36, 0.62)
         h = w / rng.choice([1.25, 1.33, 1.6, 1.78])
-        shell, up, rim = tone(rng) if rng.random() < 0.4 else DARK, rng.uniform(0.06, 0.2), rng.uniform(0.01, 0.035)
+        shell, up, rim = (tone(rng) if rng.random() < 0.4 else DARK, rng.uniform(0.06, 0.2), rng.uniform(0.01, 0.035))
         parts = [
-            box((w * 0.45, 0.2, 0.018)).painted(col=shell), box((0.06, 0.04, up + 0.1)).painted(col=shell).moved(pose((0, 0.05, 0))),
+            box((w * 0.45, 0.2, 0.018)).painted(col=shell),
+            box((0.06, 0.04, up + 0.1)).painted(col=shell).moved(pose((0, 0.05, 0))),
             box((w, 0.045, h)).painted(col=shell).moved(pose((0, 0, up))),
         ]
         if rng.random() < 0.2:  # a tube
@@ -159,7 +167,15 @@ class PropShop:
 
     def _cup(self, rng: Rng) -> Mesh:
         h, r, out = rng.uniform(0.07, 0.13), rng.uniform(0.03, 0.045), rng.uniform(0.85, 1.3)
-        shape = [(0, 0), (r, 0), (r * (1 + out) / 2, h / 2), (r * out, h), (r * out * 0.92, h), (r * 0.9, 0.01), (0, 0.01)]
+        shape = [
+            (0, 0),
+            (r, 0),
+            (r * (1 + out) / 2, h / 2),
+            (r * out, h),
+            (r * out * 0.92, h),
+            (r * 0.9, 0.01),
+            (0, 0.01),
+        ]
         body = self.surface(rng, lathe(shape, 18), 0.35)
         if rng.random() < 0.35:
             return body
@@ -183,7 +199,11 @@ class PropShop:
         cover = self.pick(rng, self.bank.pictures + self.bank.patterns)
         parts = [box((w - 0.006, d - 0.006, t * 0.9)).painted(col=PAPER).moved(pose((0, 0, t * 0.05)))]
         if rng.random() < 0.2:  # open
-            page = lambda s: box((w, d, t * 0.5)).painted(self.pick(rng, self.bank.papers)).moved(pose((s * w / 2, 0, 0), 0, 0, -s * 4))
+            page = (
+                lambda s: box((w, d, t * 0.5))
+                .painted(self.pick(rng, self.bank.papers))
+                .moved(pose((s * w / 2, 0, 0), 0, 0, -s * 4))
+            )
             return merged([page(-1), page(1)])
         lid = lambda z: box((w, d, max(0.002, t * 0.06))).painted(cover).moved(pose((0, 0, z)))
         spine = box((0.006, d, t)).painted(col=tone(rng)).moved(pose((-w / 2, 0, 0)))
@@ -210,7 +230,9 @@ class PropShop:
         w, d, h = rng.uniform(0.25, 0.42), rng.uniform(0.12, 0.24), rng.uniform(0.25, 0.5)
         body = self.surface(rng, rounded((w, d, h), rng.uniform(2.8, 6), 14), 0.4)
         strap = tone(rng) if rng.random() < 0.6 else tuple(body.col[0])
-        arc = lambda rx, rz, n=12: np.stack([(a := np.linspace(0, math.pi, n)) * 0 + rx * np.cos(a), 0 * a, rz * np.sin(a)], 1)
+        arc = lambda rx, rz, n=12: np.stack(
+            [(a := np.linspace(0, math.pi, n)) * 0 + rx * np.cos(a), 0 * a, rz * np.sin(a)], 1
+        )
         parts = [body, tube(arc(w * 0.25, rng.uniform(0.06, 0.2)) + [0, 0, h * 0.93], 0.009, 6).painted(col=strap)]
         if rng.random() < 0.65:  # backpack: pocket and shoulder straps
             pocket = self.surface(rng, rounded((w * 0.75, d * 0.5, h * 0.45), 4, 10), 0.4)
@@ -223,7 +245,9 @@ class PropShop:
     def _fan(self, rng: Rng) -> Mesh:
         """A desk or standing fan: cage, blades, motor, foot."""
         r, up, col = rng.uniform(0.11, 0.24), rng.uniform(0.2, 1.1), tone(rng)
-        ring = lambda q, y: tube(np.stack([q * np.cos(a := np.linspace(0, 2 * math.pi, 28)), 0 * a + y, q * np.sin(a)], 1), 0.004, 5)
+        ring = lambda q, y: tube(
+            np.stack([q * np.cos(a := np.linspace(0, 2 * math.pi, 28)), 0 * a + y, q * np.sin(a)], 1), 0.004, 5
+        )
         cage = [ring(r, y) for y in (-0.035, 0.035)] + [ring(r * k, -0.05) for k in (0.35, 0.7)]
         for k in range(int(rng.integers(12, 30))):
             a = 2 * math.pi * rng.random()
@@ -233,8 +257,14 @@ class PropShop:
         blade = rounded((r * 0.5, 0.008, r * 0.92), 2.3, 8).moved(pose((0, 0, 0), 20))
         blades = [blade.painted(col=tone(rng) if k == 0 else None) for k in range(1)] * n
         spin = [b.moved(pose((0, 0, 0), 0, 0, turn + 360 * k / n)) for k, b in enumerate(blades)]
-        hub = lathe([(0, -0.06), (0.04, -0.05), (0.05, 0.1), (0, 0.12)], 12).moved(pose((0, 0, 0), 0, -90)).painted(col=col)
-        head = merged([merged(cage).painted(col=tone(rng)), *spin, hub]).moved(pose((0, 0, up + r), 0, rng.uniform(-20, 10)))
+        hub = (
+            lathe([(0, -0.06), (0.04, -0.05), (0.05, 0.1), (0, 0.12)], 12)
+            .moved(pose((0, 0, 0), 0, -90))
+            .painted(col=col)
+        )
+        head = merged([merged(cage).painted(col=tone(rng)), *spin, hub]).moved(
+            pose((0, 0, up + r), 0, rng.uniform(-20, 10))
+        )
         pole = tube(np.array([[0, 0.03, 0], [0, 0.03, up + r]]), 0.015, 8).painted(col=col)
         foot = lathe([(0, 0), (r * 0.9, 0), (r * 0.85, 0.03), (0, 0.05)], 20).painted(col=col)
         return merged([foot, pole, head])
@@ -257,7 +287,9 @@ class PropShop:
         leg_col, parts = tone(rng), [top]
         for sx in (-1, 1):
             for sy in (-1, 1):
-                parts.append(box((0.05, 0.05, h - 0.03)).painted(col=leg_col).moved(pose((sx * w * 0.46, sy * d * 0.43, 0))))
+                parts.append(
+                    box((0.05, 0.05, h - 0.03)).painted(col=leg_col).moved(pose((sx * w * 0.46, sy * d * 0.43, 0)))
+                )
         if rng.random() < 0.3:
             parts.append(box((w * 0.92, 0.02, h * 0.6)).painted(col=leg_col).moved(pose((0, d * 0.43, h * 0.3))))
         return merged(parts)
@@ -276,7 +308,9 @@ class PropShop:
             while x < w / 2 - 0.12:
                 bw = min(rng.uniform(0.1, 0.4), w / 2 - 0.03 - x)
                 u = rng.uniform(0, 0.5)
-                row = quad(bw, hh, (u, 0, u + bw, 1)).painted(self.pick(rng, self.bank.spines)).moved(pose((0, -0.09, 0)))
+                row = (
+                    quad(bw, hh, (u, 0, u + bw, 1)).painted(self.pick(rng, self.bank.spines)).moved(pose((0, -0.09, 0)))
+                )
                 side = box((bw, 0.17, hh * 0.9)).painted(col=PAPER)
                 if rng.random() < 0.8:
                     books.append(merged([row, side]).moved(pose((x + bw / 2, 0, z))))

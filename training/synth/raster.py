@@ -60,8 +60,23 @@ class Rasteriser:
         ob, part = np.zeros((h, w), np.uint16), np.zeros((h, w), np.uint8)
         f, a = ctypes.c_float, self.alpha
         self.rast.raster(
-            len(self.tri), _p(self.v), _p(self.tri), _p(self.uv), _p(self.id), _p(self.part), _p(self.al),
-            a.pointers, a.widths, a.heights, w, h, *(f(k) for k in K), f(0.05), _p(z), _p(ob), _p(part),
+            len(self.tri),
+            _p(self.v),
+            _p(self.tri),
+            _p(self.uv),
+            _p(self.id),
+            _p(self.part),
+            _p(self.al),
+            a.pointers,
+            a.widths,
+            a.heights,
+            w,
+            h,
+            *(f(k) for k in K),
+            f(0.05),
+            _p(z),
+            _p(ob),
+            _p(part),
         )
         z[np.isinf(z)] = 0
         return z, ob, part
@@ -69,8 +84,15 @@ class Rasteriser:
     def _head(self) -> tuple:
         a = self.alpha
         return (
-            len(self.tri), _p(self.v), _p(self.tri), _p(self.uv), _p(self.al),
-            a.pointers, a.widths, a.heights, _p(self.id),
+            len(self.tri),
+            _p(self.v),
+            _p(self.tri),
+            _p(self.uv),
+            _p(self.al),
+            a.pointers,
+            a.widths,
+            a.heights,
+            _p(self.id),
         )
 
     def low(self, w: int, h: int, K: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -87,7 +109,23 @@ class Rasteriser:
         out, light = np.zeros((h, w, 3), np.float32), np.ascontiguousarray(light, np.float32)
         t, k = self.colour, [ctypes.c_float(x) for x in K]
         self.shader.shade(
-            *self._head(), _p(self.ct), _p(self.col), _p(self.em), t.pointers, t.widths, t.heights,
-            ss, w, h, *k, iz.shape[1], iz.shape[0], _p(light), _p(iz), _p(ob), _p(n), _p(out),
+            *self._head(),
+            _p(self.ct),
+            _p(self.col),
+            _p(self.em),
+            t.pointers,
+            t.widths,
+            t.heights,
+            ss,
+            w,
+            h,
+            *k,
+            iz.shape[1],
+            iz.shape[0],
+            _p(light),
+            _p(iz),
+            _p(ob),
+            _p(n),
+            _p(out),
         )
         return out

@@ -62,7 +62,9 @@ class Composer:
         slab((2 * half + 2, depth + 3, 0.02), (0, depth / 2, high), pick(rng, bank.walls))
         slab((2 * half + 2, 0.1, high), (0, depth, 0), wall)
         for s in (-1, 1):
-            slab((0.1, depth + 3, high), (s * half, depth / 2, 0), wall if rng.random() < 0.7 else pick(rng, bank.walls))
+            slab(
+                (0.1, depth + 3, high), (s * half, depth / 2, 0), wall if rng.random() < 0.7 else pick(rng, bank.walls)
+            )
         for _ in range(int(rng.integers(0, 8))):
             w, h = rng.uniform(0.2, 1.5), rng.uniform(0.2, 1.1)
             M = pose((rng.uniform(-half, half), depth - 0.06, rng.uniform(0.6, high - 0.6)))
@@ -105,7 +107,13 @@ class Composer:
         for cls, chance, r in odds:
             if rng.random() < chance * full:
                 put(cls, *free(), rng.normal(0, 40), r=r)
-        many = (("cup", 1.3, 0.04), ("bottle", 0.9, 0.04), ("phone", 0.8, 0.05), ("book", 1.0, 0.1), ("clutter", 3.5, 0.06))
+        many = (
+            ("cup", 1.3, 0.04),
+            ("bottle", 0.9, 0.04),
+            ("phone", 0.8, 0.05),
+            ("book", 1.0, 0.1),
+            ("clutter", 3.5, 0.06),
+        )
         for cls, mean, r in many:
             for _ in range(int(rng.poisson(mean * full))):
                 put(cls, *free(), rng.uniform(0, 360), r=r)

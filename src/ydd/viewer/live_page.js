@@ -23,7 +23,7 @@ function repeat(pause_ms, work) {
       try {
         await work();
       } catch (error) {
-        document.body.classList.add('gone');
+        if (!(state && state.finished)) document.body.classList.add('gone');
       }
     }
     if (!(state && state.finished)) setTimeout(again, pause_ms);

@@ -9,7 +9,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
+#include <chrono>
 #include <mutex>
 #include <regex>
 #include <thread>
@@ -28,6 +30,8 @@
 namespace ydd {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::size_t kWorkers = 4;
 constexpr std::size_t kWaiting = 16;  // then accepting waits, and the kernel's short queue fills
 constexpr int kTimeout_s = 5;
@@ -35,6 +39,7 @@ constexpr std::size_t kLongestBody = 256;
 constexpr int kJpegQuality = 80;
 constexpr const char* kTokenLetters =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+constexpr std::chrono::seconds kFarewell{1};  // for pages that have asked within this time
 constexpr int kForbidden = 403, kUnavailable = 503, kBadRequest = 400;
 
 /// Requests to a few threads. A full queue holds up accepting, so that connections stay few.
@@ -160,7 +165,18 @@ class LiveServer::State {
     while (!server_.is_running()) std::this_thread::yield();  // stopping earlier has no effect
   }
 
+  /// A page that has just asked hears that the run has ended, before the connection is gone.
+  void tell_end() const {
+    const Clock::time_point now = Clock::now(), end = now + kFarewell;
+    if (now - last_asked_.load() > kFarewell) return;
+    const auto live = control_.newest();
+    if (!live || !live->status.finished) return;
+    while (!end_told_ && Clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+
   void stop() {
+    tell_end();
     server_.stop();
     cut_off_clients(options_.port);
     if (thread_.joinable()) thread_.join();
@@ -184,8 +200,13 @@ class LiveServer::State {
     server_.Get("/", [](const httplib::Request&, httplib::Response& response) {
       response.set_content(live_page(), "text/html; charset=utf-8");
     });
-    get("/state.json", "application/json", state_,
-        [this](const LiveFrame& live) { return live_state_json(control_.scene(), live); });
+    get(
+        "/state.json", "application/json", state_,
+        [this](const LiveFrame& live) { return live_state_json(control_.scene(), live); },
+        [this](const LiveFrame& live) {
+          last_asked_ = Clock::now();
+          end_told_ = live.status.finished;
+        });
     get("/map.json", "application/json", map_,
         [this](const LiveFrame& live) { return live_map_json(control_.scene(), live); });
     get("/frame.jpg", "image/jpeg", picture_, [this](const LiveFrame& live) {
@@ -204,18 +225,22 @@ class LiveServer::State {
   }
 
   /// `make(newest frame)` as the answer; what was made last serves until a newer frame is there.
-  template <class Make>
-  void get(const char* path, const char* type, Cache& cache, Make make) {
-    server_.Get(path,
-                [this, type, &cache, make](const httplib::Request&, httplib::Response& response) {
-                  const auto live = control_.newest();
-                  if (!live) {
-                    response.status = kUnavailable;
-                    response.set_content("no frame yet\n", "text/plain");
-                    return;
-                  }
-                  response.set_content(*cache.get(live->serial, [&] { return make(*live); }), type);
-                });
+  /// `note` is told which frame was given.
+  template <class Make, class Note = void (*)(const LiveFrame&)>
+  void get(
+      const char* path, const char* type, Cache& cache, Make make,
+      Note note = [](const LiveFrame&) {}) {
+    server_.Get(path, [this, type, &cache, make, note](const httplib::Request&,
+                                                       httplib::Response& response) {
+      const auto live = control_.newest();
+      if (!live) {
+        response.status = kUnavailable;
+        response.set_content("no frame yet\n", "text/plain");
+        return;
+      }
+      response.set_content(*cache.get(live->serial, [&] { return make(*live); }), type);
+      note(*live);
+    });
   }
 
   void take_command(const httplib::Request& request, httplib::Response& response) {
@@ -234,17 +259,19 @@ class LiveServer::State {
   LiveControl& control_;
   LiveServerOptions options_;
   Cache state_, map_, picture_, trajectory_, ply_;
+  std::atomic<Clock::time_point> last_asked_{Clock::time_point{}};
+  std::atomic<bool> end_told_ = false;
   httplib::Server server_;
   std::jthread thread_;
 };
 
 Result<LiveServerOptions> parse_live_address(std::string_view text, const std::string& token) {
   // Address (a name, IPv4, or IPv6 in brackets), then a port; either may be missing.
-  static const std::regex kForm(
+  static const std::regex form(
       R"((?:([A-Za-z][\w.-]*|[\d.]+\.[\d.]+|\[[\da-fA-F:.]+\])?:)?(\d{1,5})|)"
       R"(([A-Za-z][\w.-]*|[\d.]+\.[\d.]+|\[[\da-fA-F:.]+\])|)");
   std::cmatch match;
-  const bool known = std::regex_match(text.data(), text.data() + text.size(), match, kForm);
+  const bool known = std::regex_match(text.data(), text.data() + text.size(), match, form);
   if (token.find_first_not_of(kTokenLetters) != std::string::npos) {
     return Error{"--serve-token: letters, digits and -._~ only: it is part of an address"};
   }

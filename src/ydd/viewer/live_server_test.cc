@@ -6,6 +6,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <thread>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
@@ -132,6 +135,19 @@ TEST_F(LiveServerTest, CommandsReachTheRun) {
   run_.finish();
   EXPECT_EQ(client().Post("/command", "pause", "text/plain")->status, 503);
   EXPECT_EQ(json_of("/state.json").at("finished"), true);
+}
+
+TEST_F(LiveServerTest, APageThatIsOpenHearsOfTheEnd) {
+  serve();
+  process(0, 1);
+  ASSERT_EQ(json_of("/state.json").at("finished"), false);
+  httplib::Client page = client();
+  run_.finish();
+  std::jthread leaving([this] { server_.reset(); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));  // as a page does between questions
+  const auto answer = page.Get("/state.json");
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(json::parse(answer->body).at("finished"), true);
 }
 
 TEST_F(LiveServerTest, OtherSitesInTheBrowserCanNeitherReadNorCommand) {

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "ydd/base/result.h"
+
+namespace ydd::app {
+
+/// What --detector takes for "look at nothing".
+inline constexpr const char* kNoDetector = "none";
+
+/// The detector file of a command that names none: what the environment variable YDD_DETECTOR says
+/// (a file, or `none`), else the network that comes with the programme, from the folder it was
+/// installed or built in. The failure says where it was looked for.
+Result<std::string> default_detector();
+
+}  // namespace ydd::app
