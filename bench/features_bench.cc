@@ -77,7 +77,7 @@ std::optional<GreyImage> real_image() {
 
 /// The picture that a benchmark's first argument names; marks the run as skipped without it.
 std::optional<GreyImage> image_of(benchmark::State& state) {
-  const auto image = state.range(0) == 0 ? std::optional(textured_image(1)) : real_image();
+  auto image = state.range(0) == 0 ? std::optional(textured_image(1)) : real_image();
   if (!image) state.SkipWithError("set YDD_DATA to the folder that holds tum_fr1_xyz");
   return image;
 }
@@ -189,6 +189,7 @@ void Descriptors1000(benchmark::State& state) {
   const GreyView view{image->data(), image->width(), image->height(), image->width()};
   const std::vector<Corner> corners = some_corners(view, 1000);
   std::vector<float> angles_rad;
+  angles_rad.reserve(corners.size());
   for (const Corner& c : corners) {
     angles_rad.push_back(intensity_centroid_angle_rad(view, c.x, c.y));
   }

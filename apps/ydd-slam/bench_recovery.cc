@@ -82,7 +82,8 @@ FrameEdit crowded(double fps, double from_s, double until_s) {
     const int shift = static_cast<int>(frame.frame.index) * 7;
     for (int y = 0; y < h; ++y) {
       for (int x = 0; x < w; ++x) {
-        const auto cell = static_cast<std::uint64_t>((x + shift) / 9 * 4099 + y / 9);
+        const auto cell =
+            static_cast<std::uint64_t>((x + shift) / 9) * 4099U + static_cast<std::uint64_t>(y / 9);
         const auto value =
             static_cast<std::uint8_t>(40 + 170 * sim::unit_float(sim::mix_bits(cell)));
         grey.push_back(value);

@@ -24,6 +24,7 @@ using Json = nlohmann::ordered_json;
 /// not be started or died.
 int spawn_self(std::vector<std::string>& arguments, const fs::path& log) {
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;

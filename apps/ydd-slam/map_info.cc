@@ -103,6 +103,7 @@ std::vector<MapInfo> describe_maps(const Atlas& atlas) {
   atlas.keyframes().for_each(
       [&](KeyFrameId, const KeyFrame& k) { keyframes[k.map].push_back(&k); });
   std::vector<MapInfo> out;
+  out.reserve(keyframes.size());
   for (auto& [map, list] : keyframes) out.push_back(describe_map(atlas, map, std::move(list)));
   std::stable_sort(out.begin(), out.end(),
                    [](const MapInfo& a, const MapInfo& b) { return a.keyframes > b.keyframes; });

@@ -77,7 +77,7 @@ std::optional<fs::path> groundtruth_file(const ReportArguments& arguments,
                                          const std::vector<RunReportData>& runs) {
   if (!arguments.groundtruth.empty()) return arguments.groundtruth;
   for (const RunReportData& run : runs) {
-    const auto file = groundtruth_file_of(run);
+    auto file = groundtruth_file_of(run);
     if (!file) continue;
     if (fs::is_regular_file(*file)) return file;
     log::warning("{}: not there any more; name ground truth with --groundtruth", file->string());

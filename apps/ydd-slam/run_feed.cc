@@ -162,7 +162,7 @@ LiveScene live_scene(const FeedInput& input, bool has_detector,
 Result<void> feed(const FeedInput& input, SlamSystem& system, Listeners& listeners,
                   LiveControl* live) {
   Feed pass(input, system, listeners, live);
-  const Result<void> fed = pass.run();
+  Result<void> fed = pass.run();
   pass.finish();
   if (!fed) return fed;
   if (listeners.recorder.processed() == 0) {

@@ -38,8 +38,8 @@ Result<std::unique_ptr<RunPictures>> RunPictures::open(const RunRequest& request
     if (auto r = out->open_video(camera); !r) return r.error();
   }
   RunPictures* const self = out.get();
-  out->background_ =
-      std::make_unique<Background<Job>>(kWaiting, [self](Job job) { return self->show(job); });
+  out->background_ = std::make_unique<Background<Job>>(
+      kWaiting, [self](const Job& job) { return self->show(job); });
   return out;
 }
 

@@ -67,7 +67,7 @@ Result<void> feed_in_window(const FeedInput& input, SlamSystem& system, Listener
   }
   if (input.request.view.paused) live.send(live::Step{});
   window_is_open.push(true);
-  const Result<void> shown = window->show(live);
+  Result<void> shown = window->show(live);
   if (Result<void> run = fed.get(); !run) return run;
   return shown;
 }

@@ -10,12 +10,12 @@ namespace ydd::app {
 namespace {
 
 const std::map<std::string, log::Level>& levels() {
-  static const std::map<std::string, log::Level> kLevels = {{"debug", log::Level::debug},
+  static const std::map<std::string, log::Level> by_name = {{"debug", log::Level::debug},
                                                             {"info", log::Level::info},
                                                             {"warning", log::Level::warning},
                                                             {"error", log::Level::error},
                                                             {"off", log::Level::off}};
-  return kLevels;
+  return by_name;
 }
 
 }  // namespace

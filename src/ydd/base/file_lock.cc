@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,7 +18,8 @@ Result<FileLock> FileLock::take(const std::filesystem::path& file, bool create) 
   const int flags = create ? O_RDWR | O_CREAT | O_CLOEXEC : O_RDONLY | O_CLOEXEC;
   const int descriptor = ::open(file.c_str(), flags, 0644);
   if (descriptor < 0) {
-    return Error{fmt::format("{}: cannot be opened: {}", file.string(), std::strerror(errno))};
+    return Error{fmt::format("{}: cannot be opened: {}", file.string(),
+                             std::generic_category().message(errno))};
   }
   FileLock lock(descriptor);
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {

@@ -5,9 +5,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <sstream>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -29,7 +29,7 @@ bool write_all(int descriptor, std::string_view content) {
 Result<void> write_file_atomically(const std::filesystem::path& file, std::string_view content) {
   const std::string temporary = fmt::format("{}.{}.tmp", file.string(), ::getpid());
   const auto failure = [&](const char* what) {
-    const std::string reason = std::strerror(errno);
+    const std::string reason = std::generic_category().message(errno);
     ::unlink(temporary.c_str());
     return Error{fmt::format("{}: {}: {}", file.string(), what, reason)};
   };

@@ -194,7 +194,7 @@ std::int64_t OnnxNode::integer(std::string_view attribute, std::int64_t otherwis
 }
 
 std::vector<std::int64_t> OnnxNode::integers(std::string_view attribute,
-                                             std::vector<std::int64_t> otherwise) const {
+                                             const std::vector<std::int64_t>& otherwise) const {
   const auto found = attributes.find(attribute);
   return found == attributes.end() ? otherwise : found->second.integers;
 }
@@ -205,7 +205,7 @@ float OnnxNode::number(std::string_view attribute, float otherwise) const {
                                                                    : found->second.floats.front();
 }
 
-std::string OnnxNode::text(std::string_view attribute, std::string otherwise) const {
+std::string OnnxNode::text(std::string_view attribute, const std::string& otherwise) const {
   const auto found = attributes.find(attribute);
   return found == attributes.end() ? otherwise : found->second.text;
 }

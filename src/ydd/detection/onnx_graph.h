@@ -33,9 +33,9 @@ struct OnnxNode {
 
   std::int64_t integer(std::string_view attribute, std::int64_t otherwise) const;
   std::vector<std::int64_t> integers(std::string_view attribute,
-                                     std::vector<std::int64_t> otherwise) const;
+                                     const std::vector<std::int64_t>& otherwise) const;
   float number(std::string_view attribute, float otherwise) const;
-  std::string text(std::string_view attribute, std::string otherwise) const;
+  std::string text(std::string_view attribute, const std::string& otherwise) const;
 };
 
 /// What an ONNX file says, as far as detectors need it; nodes in the order in which they can run.

@@ -25,6 +25,7 @@ namespace {
 constexpr std::uint32_t kTableVersion = 11;
 
 /// Places in the table of functions.
+// NOLINTBEGIN(readability-identifier-naming): named as in ONNX Runtime's header
 enum Entry : std::size_t {
   kGetErrorMessage = 2,
   kCreateEnv = 3,
@@ -48,6 +49,7 @@ enum Entry : std::size_t {
   kReleaseShape = 99,
   kReleaseSessionOptions = 100,
 };
+// NOLINTEND(readability-identifier-naming)
 
 constexpr int kFatalMessagesOnly = 4;
 constexpr int kFloat = 1;

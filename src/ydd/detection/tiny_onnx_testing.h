@@ -99,7 +99,7 @@ class GraphWriter {
   /// Deterministic weights of about unit gain.
   std::string convolution(const std::string& from, std::uint64_t in, std::uint64_t out,
                           std::uint64_t kernel, std::uint64_t stride = 1, std::uint64_t group = 1) {
-    const std::string name = next("conv");
+    std::string name = next("conv");
     const std::uint64_t fan_in = in / group * kernel * kernel;
     std::vector<float> weights(out * fan_in);
     std::vector<float> bias(out);
@@ -117,7 +117,7 @@ class GraphWriter {
   }
   std::string node(const std::string& op, const std::vector<std::string>& from,
                    const std::string& attributes = "") {
-    const std::string name = next(op);
+    std::string name = next(op);
     std::string inputs;
     for (const std::string& f : from) inputs += bytes(1, f);
     nodes_ += bytes(1, inputs + bytes(2, name) + bytes(3, name) + bytes(4, op) + attributes);
@@ -125,7 +125,7 @@ class GraphWriter {
   }
   std::string silu(const std::string& from) { return node("Mul", {from, node("Sigmoid", {from})}); }
   std::string constant(const std::vector<float>& values) {
-    const std::string name = next("constant");
+    std::string name = next("constant");
     initialisers_ += bytes(5, tensor(name, {values.size()}, values));
     return name;
   }

@@ -51,8 +51,9 @@ KeypointGrid::KeypointGrid(const Features& features, const Camera& camera)
   const std::size_t n = features.undistorted_px.size();
   const auto cell = [&](std::size_t i) {
     const Eigen::Vector2f& px = features.undistorted_px[i];
-    return static_cast<std::size_t>(cell_of(px.y() - origin_y_px_, kCell_px, rows_) * columns_ +
-                                    cell_of(px.x() - origin_x_px_, kCell_px, columns_));
+    const int number = cell_of(px.y() - origin_y_px_, kCell_px, rows_) * columns_ +
+                       cell_of(px.x() - origin_x_px_, kCell_px, columns_);
+    return static_cast<std::size_t>(number);
   };
   // Counting sort; filling from the back keeps indices increasing within a cell.
   start_.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);

@@ -169,7 +169,7 @@ std::optional<LoopMatch> find_loop(const Atlas& atlas, KeyFrameId current,
   if (!keyframe || !keyframe->words || !options.enabled) return std::nullopt;
   const std::vector<KeyFrameId> candidates = loop_candidates(atlas, current, options, among);
   for (const KeyFrameId candidate : candidates) {
-    const auto match = match_candidate(atlas, current, candidate, candidates, options);
+    auto match = match_candidate(atlas, current, candidate, candidates, options);
     if (match && is_plausible_drift(atlas, *match, options) &&
         is_consistent(atlas, *match, options)) {
       return match;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/map/dense_cloud.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

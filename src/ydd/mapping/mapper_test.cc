@@ -20,7 +20,6 @@ using testing_world::make_world;
 using testing_world::PointWorld;
 using testing_world::position_error_m;
 using testing_world::View;
-using testing_world::ViewOptions;
 using testing_world::Walker;
 
 Mapper mapper_for(const PointWorld& world) { return {world.camera, world.scales, MapperOptions{}}; }

@@ -52,9 +52,9 @@ Result<void> write_images(const SimulatedFrame& frame, const Camera& camera, con
                           const TumWriterOptions& options) {
   const std::string name = short_stamp(frame.frame.stamp) + ".png";
   const fs::path colour = folder / colour_name(frame.frame.stamp, options);
-  const Result<void> written = options.colour_format == "jpeg"
-                                   ? write_jpeg(colour, frame.frame.colour, options.jpeg_quality)
-                                   : write_png(colour, frame.frame.colour);
+  Result<void> written = options.colour_format == "jpeg"
+                             ? write_jpeg(colour, frame.frame.colour, options.jpeg_quality)
+                             : write_png(colour, frame.frame.colour);
   if (!written) return written;
   const RawDepthImage depth = to_raw_depth(frame.frame.depth_m, camera.depth_scale);
   if (auto r = write_png(folder / "depth" / name, depth); !r) return r;
@@ -76,9 +76,9 @@ Result<void> write_lists(const Simulator& simulator, const fs::path& folder,
     const std::string time = short_stamp(stamp);
     const std::string colour_line = time + " " + colour_name(stamp, options);
     const std::string depth_line = fmt::format("{0} depth/{0}.png", time);
-    rgb += colour_line + "\n";
-    depth += depth_line + "\n";
-    pairs += colour_line + " " + depth_line + "\n";
+    rgb += fmt::format("{}\n", colour_line);
+    depth += fmt::format("{}\n", depth_line);
+    pairs += fmt::format("{} {}\n", colour_line, depth_line);
     truth.push_back({stamp, simulator.pose(i)});
   }
   Camera camera = simulator.camera();

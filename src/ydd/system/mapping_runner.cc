@@ -114,7 +114,7 @@ class ThreadedMapping final : public MappingRunner {
         options_(options),
         atlas_(mapper_.snapshot()),
         mapping_thread_([this] { run_mapping(); }),
-        loop_thread_([this](std::stop_token stop) { run_loop(std::move(stop)); }) {}
+        loop_thread_([this](const std::stop_token& stop) { run_loop(stop); }) {}
 
   ~ThreadedMapping() override { finish(); }
 
@@ -193,7 +193,7 @@ class ThreadedMapping final : public MappingRunner {
     if (!loop_queue_.try_push(std::move(task))) loop_tasks_.end();
   }
 
-  void run_loop(std::stop_token stop) {
+  void run_loop(const std::stop_token& stop) {
     while (const auto task = loop_queue_.pop()) {
       std::optional<Correction> correction = solve(*task, stop);
       // The mapper ends the task when it has applied the correction.

@@ -16,7 +16,6 @@ namespace {
 using testing::IsEmpty;
 using testing_world::candidate_of;
 using testing_world::look;
-using testing_world::make_world;
 using testing_world::position_error_m;
 using testing_world::Walker;
 

@@ -13,7 +13,6 @@ namespace {
 
 using testing_world::frame_of;
 using testing_world::hand_held;
-using testing_world::kFrameInterval_ns;
 using testing_world::look;
 using testing_world::make_world;
 using testing_world::PointWorld;
