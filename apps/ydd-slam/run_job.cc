@@ -199,7 +199,6 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   const bool has_detector = *detector != nullptr;
   SlamSystem system(camera, options, *catalogue, std::move(*detector), std::move(*map));
   if (auto r = prepare_run_map(request, system); !r) return r.error();
-  const RunRecorder& recorder = listeners.recorder;
   const std::int64_t start_ns = wall_clock_ns();
   const FeedInput input{*sequence, camera, request, *catalogue};
   if (auto r = feed_watched(input, system, listeners, has_detector, folder->path()); !r) {
@@ -212,9 +211,9 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   }
 
   const RunDescription description = describe_run(request, *sequence, options, has_detector);
-  const std::string summary = recorder.summary_json(description, system, wall_s);
+  const std::string summary = listeners.recorder.summary_json(description, system, wall_s);
   if (auto r = write_results(folder->path(), request, effective_yaml(*configuration), system,
-                             recorder, summary);
+                             listeners.recorder, summary);
       !r) {
     return r.error();
   }
@@ -226,12 +225,12 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   folder->keep();
   return RunOutcome{folder->path(),
                     summary,
-                    recorder.timings_json(system),
+                    listeners.recorder.timings_json(system),
                     system.trajectory(),
                     sequence->groundtruth_file(),
                     system.atlas(),
-                    recorder.processed(),
-                    recorder.tracked()};
+                    listeners.recorder.processed(),
+                    listeners.recorder.tracked()};
 }
 
 }  // namespace ydd::app

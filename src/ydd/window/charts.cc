@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include <fmt/format.h>
 
@@ -95,15 +96,15 @@ void draw_series(ImDrawList& canvas, const Frame& frame, std::span<const ChartSe
 void draw_legend(ImDrawList& canvas, std::span<const ChartSeries> series, const char* unit,
                  ImVec2 top_right) {
   float x = top_right.x;
-  for (auto s = series.rbegin(); s != series.rend(); ++s) {
-    if (s->name.empty()) continue;
-    const float newest = s->values.empty() ? 0 : s->values.back();
-    const std::string text = fmt::format("{} {:.0f}{}", s->name, newest, unit);
+  for (const ChartSeries& s : series | std::views::reverse) {
+    if (s.name.empty()) continue;
+    const float newest = s.values.empty() ? 0 : s.values.back();
+    const std::string text = fmt::format("{} {:.0f}{}", s.name, newest, unit);
     x -= ImGui::CalcTextSize(text.c_str()).x;
     canvas.AddText({x, top_right.y}, kText, text.c_str());
     x -= 12;
     const float middle = top_right.y + ImGui::GetFontSize() / 2;
-    canvas.AddRectFilled({x, middle - 4}, {x + 8, middle + 4}, s->colour | IM_COL32_A_MASK, 2);
+    canvas.AddRectFilled({x, middle - 4}, {x + 8, middle + 4}, s.colour | IM_COL32_A_MASK, 2);
     x -= 10;
   }
 }
