@@ -26,7 +26,7 @@ struct Bad {
 };
 
 /// `run` over good frames with options that are not.
-Bad bad_run(std::string name, Arguments options, std::vector<std::string> told) {
+Bad bad_run(std::string name, const Arguments& options, std::vector<std::string> told) {
   return {std::move(name),
           [options](const TemporaryFolder& folder) {
             Arguments all = {"run", few_frames(), "--out", folder / "out"};
@@ -37,8 +37,8 @@ Bad bad_run(std::string name, Arguments options, std::vector<std::string> told) 
 }
 
 /// `run` over good frames with a file of this content behind `option`.
-Bad bad_file(std::string name, std::string option, std::string file, std::string content,
-             std::vector<std::string> told) {
+Bad bad_file(std::string name, const std::string& option, const std::string& file,
+             const std::string& content, std::vector<std::string> told) {
   told.push_back(file);
   return {std::move(name),
           [=](const TemporaryFolder& folder) {
@@ -49,8 +49,8 @@ Bad bad_file(std::string name, std::string option, std::string file, std::string
 }
 
 /// `run` over a folder that `prepare` makes.
-Bad bad_sequence(std::string name, std::function<void(const fs::path&)> prepare,
-                 std::vector<std::string> told, Arguments options = {}) {
+Bad bad_sequence(std::string name, const std::function<void(const fs::path&)>& prepare,
+                 std::vector<std::string> told, const Arguments& options = {}) {
   return {std::move(name),
           [=](const TemporaryFolder& folder) {
             prepare(folder / "sequence");
@@ -64,8 +64,9 @@ Bad bad_sequence(std::string name, std::function<void(const fs::path&)> prepare,
 const std::string kFirstBox =
     R"({"timestamp": "1700000000", "detections": [{"cls": "person", "box": [1, 2, 3, 4]}]})";
 
+// NOLINTNEXTLINE(readability-function-size): a table
 const std::vector<Bad>& bad_inputs() {
-  static const std::vector<Bad> kAll = {
+  static const std::vector<Bad> all = {
       bad_sequence("MissingFolder", [](const fs::path&) {}, {"sequence"}),
       bad_sequence("EmptyFolder", [](const fs::path& p) { fs::create_directory(p); }, {"rgb.txt"}),
       bad_sequence("AFileForAFolder", [](const fs::path& p) { write(p, "x"); }, {"sequence"}),
@@ -189,7 +190,7 @@ const std::vector<Bad>& bad_inputs() {
        },
        {"nowhere.tum"}},
   };
-  return kAll;
+  return all;
 }
 
 class BadInput : public testing::TestWithParam<Bad> {};

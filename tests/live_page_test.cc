@@ -70,7 +70,7 @@ class ServedRun {
   json state_when(Predicate is_so) const {
     while (!ended()) {
       const auto answer = client().Get("/state.json");
-      const json state = answer && answer->status == 200 ? json::parse(answer->body) : json();
+      json state = answer && answer->status == 200 ? json::parse(answer->body) : json();
       if (!state.is_null() && is_so(state)) return state;
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }

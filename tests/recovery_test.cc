@@ -11,7 +11,7 @@
 namespace ydd::e2e {
 namespace {
 
-using json = nlohmann::json;
+using nlohmann::json;
 
 json bench(const std::string& what, const std::string& only, const std::string& fps) {
   const TemporaryFolder folder;

@@ -17,7 +17,6 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
-using testing::Not;
 
 std::string text_of(const fs::path& file) { return read_file(file).value(); }
 

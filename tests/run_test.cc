@@ -179,7 +179,7 @@ TEST(Run, ThePrintedOptionsAreAConfiguration) {
 
 /// A copy of the few frames whose fourth colour image is cut short.
 fs::path with_corrupt_frame(const TemporaryFolder& folder) {
-  const fs::path copy = copy_of(few_frames(), folder / "damaged");
+  fs::path copy = copy_of(few_frames(), folder / "damaged");
   std::vector<fs::path> pictures;
   for (const auto& entry : fs::directory_iterator(copy / "rgb")) pictures.push_back(entry.path());
   std::sort(pictures.begin(), pictures.end());

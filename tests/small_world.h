@@ -24,7 +24,7 @@ inline fs::path small_world(const std::string& name, const std::vector<std::stri
   const auto built = fs::last_write_time(binary).time_since_epoch();
   const fs::path root = binary.parent_path() / "e2e-sequences";
   const fs::path age = root / fmt::format("{}", std::chrono::nanoseconds(built).count());
-  const fs::path folder = age / name;
+  fs::path folder = age / name;
   if (fs::exists(folder)) return folder;
   fs::create_directories(age);
   for (const fs::directory_entry& other : fs::directory_iterator(root)) {

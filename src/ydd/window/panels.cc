@@ -128,7 +128,7 @@ void draw_state(const PanelFacts& facts) {
   ImGui::SameLine();
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(facts.sequence.c_str());
-  ImGui::Text("frame %lld of %zu", static_cast<long long>(live.report->index + 1), facts.frames);
+  ImGui::Text("frame %lld of %zu", static_cast<long long>(live.report->index) + 1, facts.frames);
   if (live.status.frames_per_second > 0) {
     ImGui::SameLine();
     ImGui::Text("  %.1f per second", live.status.frames_per_second);
