@@ -39,7 +39,8 @@ constexpr std::size_t kLongestBody = 256;
 constexpr int kJpegQuality = 80;
 constexpr const char* kTokenLetters =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
-constexpr std::chrono::seconds kFarewell{1};  // for pages that have asked within this time
+constexpr std::chrono::seconds kFarewell{1};         // for pages that have asked within this time
+constexpr const char* kFinished = "X-Ydd-Finished";  // header of answers after the last frame
 constexpr int kForbidden = 403, kUnavailable = 503, kBadRequest = 400;
 
 /// Requests to a few threads. A full queue holds up accepting, so that connections stay few.
@@ -151,6 +152,12 @@ class LiveServer::State {
                            "text/plain");
       return httplib::Server::HandlerResponse::Handled;
     });
+    // httplib logs an answer when it has been written.
+    server_.set_logger([this](const httplib::Request& request, const httplib::Response& response) {
+      if (request.path != "/state.json") return;
+      last_asked_ = Clock::now();
+      if (response.has_header(kFinished)) end_told_ = true;
+    });
     add_routes();
   }
 
@@ -171,8 +178,9 @@ class LiveServer::State {
     if (now - last_asked_.load() > kFarewell) return;
     const auto live = control_.newest();
     if (!live || !live->status.finished) return;
-    while (!end_told_ && Clock::now() < end)
+    while (!end_told_ && Clock::now() < end) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
   }
 
   void stop() {
@@ -200,13 +208,8 @@ class LiveServer::State {
     server_.Get("/", [](const httplib::Request&, httplib::Response& response) {
       response.set_content(live_page(), "text/html; charset=utf-8");
     });
-    get(
-        "/state.json", "application/json", state_,
-        [this](const LiveFrame& live) { return live_state_json(control_.scene(), live); },
-        [this](const LiveFrame& live) {
-          last_asked_ = Clock::now();
-          end_told_ = live.status.finished;
-        });
+    get("/state.json", "application/json", state_,
+        [this](const LiveFrame& live) { return live_state_json(control_.scene(), live); });
     get("/map.json", "application/json", map_,
         [this](const LiveFrame& live) { return live_map_json(control_.scene(), live); });
     get("/frame.jpg", "image/jpeg", picture_, [this](const LiveFrame& live) {
@@ -225,22 +228,19 @@ class LiveServer::State {
   }
 
   /// `make(newest frame)` as the answer; what was made last serves until a newer frame is there.
-  /// `note` is told which frame was given.
-  template <class Make, class Note = void (*)(const LiveFrame&)>
-  void get(
-      const char* path, const char* type, Cache& cache, Make make,
-      Note note = [](const LiveFrame&) {}) {
-    server_.Get(path, [this, type, &cache, make, note](const httplib::Request&,
-                                                       httplib::Response& response) {
-      const auto live = control_.newest();
-      if (!live) {
-        response.status = kUnavailable;
-        response.set_content("no frame yet\n", "text/plain");
-        return;
-      }
-      response.set_content(*cache.get(live->serial, [&] { return make(*live); }), type);
-      note(*live);
-    });
+  template <class Make>
+  void get(const char* path, const char* type, Cache& cache, Make make) {
+    server_.Get(path,
+                [this, type, &cache, make](const httplib::Request&, httplib::Response& response) {
+                  const auto live = control_.newest();
+                  if (!live) {
+                    response.status = kUnavailable;
+                    response.set_content("no frame yet\n", "text/plain");
+                    return;
+                  }
+                  if (live->status.finished) response.set_header(kFinished, "1");
+                  response.set_content(*cache.get(live->serial, [&] { return make(*live); }), type);
+                });
   }
 
   void take_command(const httplib::Request& request, httplib::Response& response) {
