@@ -3,10 +3,7 @@
 // The network that comes with the clone: what it sees on the carried sample, and that it is what a
 // run without words about detection uses.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +11,8 @@
 
 #include "command_line.h"
 #include "ydd/dataset/trajectory.h"
+#include "ydd/detection/boxes.h"
+#include "ydd/detection/recorded_detections.h"
 #include "ydd/evaluation/ate.h"
 
 namespace ydd::e2e {
@@ -31,47 +30,27 @@ Outcome plain(std::vector<std::string> arguments, const fs::path& folder) {
   return run_programme(std::move(arguments), folder);
 }
 
-/// The boxes of the class `wanted` in every frame.
-std::map<int, std::vector<std::array<double, 4>>> boxes_of(const fs::path& file,
-                                                           const std::string& wanted) {
-  std::map<int, std::vector<std::array<double, 4>>> boxes;
-  std::istringstream lines(read_file(file).value());
-  for (std::string line; std::getline(lines, line);) {
-    const json frame = json::parse(line);
-    auto& list = boxes[frame.at("frame").get<int>()];
-    for (const json& seen : frame.at("detections")) {
-      // A sliver at the border of the picture is nothing to judge by.
-      if (seen.at("cls") == wanted && seen.value("pixels", 10'000) > 2'000) {
-        list.push_back(seen.at("box"));
-      }
-    }
-  }
-  return boxes;
-}
-
-double iou(const std::array<double, 4>& a, const std::array<double, 4>& b) {
-  const double w = std::min(a[2], b[2]) - std::max(a[0], b[0]);
-  const double h = std::min(a[3], b[3]) - std::max(a[1], b[1]);
-  if (w <= 0 || h <= 0) return 0;
-  const auto area = [](const auto& box) { return (box[2] - box[0]) * (box[3] - box[1]); };
-  return w * h / (area(a) + area(b) - w * h);
-}
-
-/// Share of the boxes of `truth` that overlap one of `seen` by half.
+/// Of the objects of class `wanted` in `truth`: the share that overlap by half with one of `seen`.
 double recall(const fs::path& truth, const fs::path& seen, const std::string& wanted) {
-  const auto boxes = boxes_of(seen, wanted);
-  int all = 0;
-  int found = 0;
-  for (const auto& [frame, expected] : boxes_of(truth, wanted)) {
-    if (!boxes.contains(frame)) continue;
-    for (const auto& box : expected) {
-      const auto& near = boxes.at(frame);
-      ++all;
-      found +=
-          std::any_of(near.begin(), near.end(), [&](const auto& b) { return iou(box, b) > 0.5; });
+  const auto exact = DetectionRecording::read(truth).value();
+  const auto found = DetectionRecording::read(seen).value();
+  const auto is_seen = [&](const RecordedDetection& object, const RecordedFrame& frame) {
+    return std::any_of(frame.detections.begin(), frame.detections.end(), [&](const auto& other) {
+      return other.detection.class_name == wanted &&
+             intersection_over_union(object.detection.box, other.detection.box) > 0.5F;
+    });
+  };
+  int objects = 0;
+  int hits = 0;
+  for (const RecordedFrame& frame : found.frames()) {
+    for (const RecordedDetection& object : exact.find_index(frame.index.value())->detections) {
+      // A sliver at the border of the picture is nothing to judge by.
+      if (object.detection.class_name != wanted || object.pixels.value_or(0) <= 2000) continue;
+      ++objects;
+      if (is_seen(object, frame)) ++hits;
     }
   }
-  return all == 0 ? 0 : static_cast<double>(found) / all;
+  return objects == 0 ? 0 : static_cast<double>(hits) / objects;
 }
 
 TEST(DefaultDetector, SeesThePeopleOfTheSample) {
