@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "ydd/detection/layers.h"
@@ -9,7 +10,6 @@
 
 namespace ydd {
 
-bool onednn_is_quick_here();       ///< kernels for this processor, not the reference ones
 bool onednn_has_bfloat16();        ///< with AVX-512
 bool onednn_has_quick_bfloat16();  ///< with AMX; without it 32-bit floats are quicker
 
@@ -29,6 +29,9 @@ class OnednnPlan {
 
   /// All outputs, valid until the next call.
   std::vector<Tensor> run(const Tensor& input);
+
+  /// Which implementation oneDNN runs for each of its primitives, in their order ("jit:avx2").
+  const std::vector<std::string>& implementations() const;
 
  private:
   struct Parts;

@@ -45,9 +45,6 @@ class OnednnSession : public InferenceSession {
 }  // namespace
 
 SessionResult make_onednn_session(std::string_view onnx, const InferenceOptions& options) {
-  if (!onednn_is_quick_here()) {
-    return Error{"oneDNN needs a processor with AVX2; use 'backend: opencv'"};
-  }
   if (options.precision == "float16") return Error{"precision float16 needs 'device: cuda'"};
   if (options.precision == "bfloat16" && !onednn_has_bfloat16()) {
     return Error{"precision bfloat16 needs a processor with AVX-512"};
