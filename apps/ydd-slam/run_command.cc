@@ -13,7 +13,7 @@ namespace {
 void add_input_options(CLI::App& command, RunRequest& request) {
   command.add_option("sequence", request.sequence, "Folder in the TUM RGB-D layout")->required();
   command.add_option("--camera", request.camera,
-                     "Camera YAML, ORB-SLAM3 settings file, or name of a preset");
+                     "Camera file (our own, ORB-SLAM, stella_vslam, ROS, OpenCV, ...) or preset");
   command.add_option("--associations", request.sequence_options.associations,
                      "File that pairs colour and depth images");
   command.add_option("--max-difference", request.sequence_options.max_difference_s,

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <map>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <yaml-cpp/yaml.h>
+
+#include "ydd/base/yaml_reader.h"
 
 namespace ydd {
 namespace {
@@ -73,21 +75,74 @@ bool assign(const Option& option, std::string_view text) {
   return true;
 }
 
-Result<void> load_node(OptionTable& table, const YAML::Node& node, const std::string& prefix,
-                       const std::string& file) {
-  for (const auto& entry : node) {
-    const std::string source = fmt::format("{}:{}", file, entry.first.Mark().line + 1);
-    if (!entry.first.IsScalar()) return Error{source + ": a key must be plain text"};
-    const std::string key = prefix + entry.first.Scalar();
-    if (entry.second.IsMap()) {
-      if (auto r = load_node(table, entry.second, key + ".", file); !r) return r;
-    } else if (!entry.second.IsScalar()) {
-      return Error{fmt::format("{}: '{}' must be a single value", source, key)};
-    } else if (auto r = table.set(key, entry.second.Scalar(), source); !r) {
-      return r;
+/// Sets what `node` holds. A key can stand twice, as "a.b: 1" and below "a:".
+class YamlLoader {
+ public:
+  YamlLoader(OptionTable& table, std::string file) : table_(table), file_(std::move(file)) {}
+
+  Result<void> load(const YAML::Node& node, const std::string& prefix) {
+    for (const auto& entry : node) {
+      const std::string source = yaml_line(file_, entry.first);
+      if (!entry.first.IsScalar()) return Error{source + ": a key must be plain text"};
+      const std::string key = prefix + entry.first.Scalar();
+      if (entry.second.IsMap()) {
+        if (auto r = load(entry.second, key + "."); !r) return r;
+      } else if (!entry.second.IsScalar()) {
+        return Error{fmt::format("{}: '{}' must be a single value", source, on_one_line(key))};
+      } else if (auto r = set(key, entry.second.Scalar(), source); !r) {
+        return r;
+      }
+    }
+    return {};
+  }
+
+ private:
+  Result<void> set(const std::string& key, const std::string& text, const std::string& source) {
+    const auto [first, is_new] = set_.try_emplace(key, text, source);
+    const auto& [first_text, first_source] = first->second;
+    if (!is_new && first_text != text) {
+      return Error{fmt::format("{}: '{}' is '{}' here and '{}' at {}; keep one", source, key, text,
+                               first_text, first_source)};
+    }
+    return table_.set(key, text, source);
+  }
+
+  OptionTable& table_;
+  std::string file_;
+  std::map<std::string, std::pair<std::string, std::string>> set_;  ///< key: text, source
+};
+
+/// How many letters must change, come or go to make `b` of `a`.
+std::size_t edits_between(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
     }
   }
-  return {};
+  return row.back();
+}
+
+/// "; did you mean 'orb.levels'?" when one option is near: three slips, or another group.
+std::string suggestion(const std::vector<Option>& options, std::string_view key) {
+  constexpr std::size_t kLongest = 80;
+  constexpr std::size_t kMostEdits = 3;
+  if (key.size() > kLongest) return "";
+  std::string best;
+  std::size_t fewest = kMostEdits + 1;
+  for (const Option& option : options) {
+    const std::string_view known = option.key;
+    const std::string tail = "." + std::string(key);
+    const std::size_t edits = known.ends_with(tail) ? 1 : edits_between(key, known);
+    if (edits >= fewest || edits >= key.size()) continue;
+    fewest = edits;
+    best = known;
+  }
+  return best.empty() ? "" : fmt::format("; did you mean '{}'?", best);
 }
 
 }  // namespace
@@ -131,12 +186,12 @@ Result<void> OptionTable::set(std::string_view key, std::string_view text,
   const auto found = std::find_if(options_.begin(), options_.end(),
                                   [&](const Option& option) { return option.key == key; });
   if (found == options_.end()) {
-    return Error{
-        fmt::format("{}: unknown option '{}'; 'ydd-slam options' lists them all", source, key)};
+    return Error{fmt::format("{}: unknown option '{}'{}; 'ydd-slam options' lists them all", source,
+                             on_one_line(std::string(key)), suggestion(options_, key))};
   }
   if (!assign(*found, text)) {
-    return Error{
-        fmt::format("{}: '{}' is '{}' but must be {}", source, key, text, expected(*found))};
+    return Error{fmt::format("{}: '{}' is '{}' but must be {}", source, key,
+                             on_one_line(std::string(text)), expected(*found))};
   }
   return {};
 }
@@ -150,18 +205,13 @@ Result<void> OptionTable::set_assignment(std::string_view assignment, std::strin
 }
 
 Result<void> OptionTable::load_yaml(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) return Error{fmt::format("{}: cannot be opened for reading", file.string())};
-  try {
-    const YAML::Node root = YAML::Load(stream);
-    if (root.IsNull()) return {};
-    if (!root.IsMap()) {
-      return Error{fmt::format("{}: must hold 'key: value' lines", file.string())};
-    }
-    return load_node(*this, root, "", file.string());
-  } catch (const YAML::Exception& e) {
-    return Error{fmt::format("{}:{}: not valid YAML: {}", file.string(), e.mark.line + 1, e.msg)};
+  const Result<YAML::Node> root = read_yaml(file);
+  if (!root) return root.error();
+  if (root->IsNull()) return {};
+  if (!root->IsMap()) {
+    return Error{fmt::format("{}: must hold 'key: value' lines", file.string())};
   }
+  return YamlLoader(*this, file.string()).load(*root, "");
 }
 
 std::string format_value(const Option& option) {

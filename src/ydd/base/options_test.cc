@@ -135,6 +135,29 @@ TEST_F(Options, YamlErrorsNameFileAndLine) {
   EXPECT_THAT(table_.load_yaml(file_).error().message, HasSubstr("cannot be opened"));
 }
 
+TEST_F(Options, AKeyTwiceMustHaveOneValue) {
+  const std::string file = file_.string();
+  EXPECT_EQ(error_of_yaml("loop: true\nrange: 2\nloop: false\n"),
+            file + ":3: 'loop' is 'false' here and 'true' in line 1; keep one");
+  EXPECT_EQ(error_of_yaml("features.orb.levels: 4\nfeatures:\n  orb: {levels: 5}\n"),
+            file + ":3: 'features.orb.levels' is '5' here and '4' at " + file + ":1; keep one");
+  EXPECT_EQ(error_of_yaml("loop: true\nloop: true\n"), "no error");
+}
+
+TEST_F(Options, UnknownKeysSuggestTheNearestKnown) {
+  EXPECT_THAT(error_of_yaml("features:\n  orb:\n    level: 5\n"),
+              HasSubstr(":3: unknown option 'features.orb.level'; did you mean "
+                        "'features.orb.levels'?"));
+  EXPECT_THAT(error_of_yaml("orb: {step: 1.5}\n"), HasSubstr("did you mean 'features.orb.step'?"));
+  EXPECT_THAT(error_of_yaml("colour: 5\n"), testing::Not(HasSubstr("did you mean")));
+}
+
+TEST_F(Options, FilesOfOthersCannotBringItDown) {
+  EXPECT_THAT(error_of_yaml("a: &a {b: *a}"), HasSubstr(":1: not valid YAML: an alias stands"));
+  EXPECT_THAT(error_of_yaml(std::string(100'000, '[')), HasSubstr("not valid YAML"));
+  EXPECT_THAT(error_of_yaml("{? [a] : 1}"), HasSubstr("a key must be plain text"));
+}
+
 TEST_F(Options, WhatIsWrittenIsReadBackTheSame) {
   root_.mode = "off";
   root_.features.orb.step = 1.0 / 3.0 + 1.0;

@@ -9,10 +9,11 @@
 
 namespace ydd {
 
-/// Reads a camera from YAML, either ours (the keys of Camera::describe; width, height, fx, fy, cx
-/// and cy must be there, the rest has defaults) or a settings file of ORB-SLAM3 for an RGB-D camera
-/// ("Camera.fx" or "Camera1.fx" keys, with or without OpenCV's first line), of which only the
-/// camera is read: all other keys are for that programme.
+/// Reads a camera from YAML or JSON: ours (the keys of Camera::describe; width, height, fx, fy, cx
+/// and cy must be there, the rest has defaults), a settings file of ORB-SLAM2, ORB-SLAM3, OpenVSLAM
+/// or stella_vslam for an RGB-D camera, of which only the camera is read, or a calibration of ROS,
+/// OpenCV, kalibr, camodocal, Open3D or RealSense, to which `depth_scale` must have been added:
+/// these do not say how depth is stored. One line says why a file is refused.
 Result<Camera> load_camera(const std::filesystem::path& file);
 
 /// The camera of a sequence: `camera` if not empty, a file or the name of a preset; else

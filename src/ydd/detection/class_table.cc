@@ -6,9 +6,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
-#include "ydd/base/files.h"
+#include "ydd/base/yaml_reader.h"
 
 namespace ydd {
 namespace {
@@ -49,9 +48,8 @@ Result<std::vector<Numbered>> numbered_names(const YAML::Node& names, const std:
   return out;
 }
 
-Result<std::vector<std::string>> parse_class_table(const std::string& text,
+Result<std::vector<std::string>> parse_class_table(const YAML::Node& root,
                                                    const std::string& file) {
-  const YAML::Node root = YAML::Load(text);
   const YAML::Node names = root.IsMap() ? root["names"] : YAML::Node(YAML::NodeType::Undefined);
   if (!names || !(names.IsSequence() || names.IsMap()) || names.size() == 0) {
     return Error{file + ": must hold 'names: [first class, second class, ...]'"};
@@ -75,13 +73,9 @@ Result<std::vector<std::string>> parse_class_table(const std::string& text,
 }  // namespace
 
 Result<std::vector<std::string>> read_class_table(const std::filesystem::path& file) {
-  const Result<std::string> text = read_file(file);
-  if (!text) return text.error();
-  try {
-    return parse_class_table(*text, file.string());
-  } catch (const YAML::Exception& e) {
-    return Error{fmt::format("{}:{}: not valid YAML: {}", file.string(), e.mark.line + 1, e.msg)};
-  }
+  const Result<YAML::Node> root = read_yaml(file);
+  if (!root) return root.error();
+  return parse_class_table(*root, file.string());
 }
 
 }  // namespace ydd

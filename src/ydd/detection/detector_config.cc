@@ -6,17 +6,12 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
-#include "ydd/base/files.h"
+#include "ydd/base/yaml_reader.h"
 #include "ydd/detection/yolo_decode.h"
 
 namespace ydd {
 namespace {
-
-std::string at_line(const std::string& file, const YAML::Node& node) {
-  return fmt::format("{}:{}", file, node.Mark().line + 1);
-}
 
 std::vector<std::string> kind_choices() {
   std::vector<std::string> choices = yolo_kind_names();
@@ -25,10 +20,10 @@ std::vector<std::string> kind_choices() {
 }
 
 Result<void> read_renames(NetworkConfig& network, const YAML::Node& node, const std::string& file) {
-  if (!node.IsMap()) return Error{at_line(file, node) + ": 'rename' must be {from: to, ...}"};
+  if (!node.IsMap()) return Error{yaml_line(file, node) + ": 'rename' must be {from: to, ...}"};
   for (const auto& entry : node) {
     if (!entry.second.IsScalar() || entry.second.Scalar().empty()) {
-      return Error{at_line(file, entry.first) + ": 'rename' must be {from: to, ...}"};
+      return Error{yaml_line(file, entry.first) + ": 'rename' must be {from: to, ...}"};
     }
     network.rename[entry.first.Scalar()] = entry.second.Scalar();
   }
@@ -38,7 +33,7 @@ Result<void> read_renames(NetworkConfig& network, const YAML::Node& node, const 
 Result<void> read_thresholds(NetworkConfig& network, const YAML::Node& node,
                              const std::string& file) {
   const auto failure = [&](const YAML::Node& at) {
-    return Error{at_line(file, at) +
+    return Error{yaml_line(file, at) +
                  ": 'class_thresholds' must be {class: score in [0.01, 1], ...}"};
   };
   if (!node.IsMap()) return failure(node);
@@ -54,9 +49,9 @@ Result<void> read_thresholds(NetworkConfig& network, const YAML::Node& node,
 }
 
 Result<void> read_keep(NetworkConfig& network, const YAML::Node& node, const std::string& file) {
-  if (!node.IsSequence()) return Error{at_line(file, node) + ": 'keep' must be [class, ...]"};
+  if (!node.IsSequence()) return Error{yaml_line(file, node) + ": 'keep' must be [class, ...]"};
   for (const YAML::Node& name : node) {
-    if (!name.IsScalar()) return Error{at_line(file, name) + ": 'keep' must be [class, ...]"};
+    if (!name.IsScalar()) return Error{yaml_line(file, name) + ": 'keep' must be [class, ...]"};
     network.keep.push_back(name.Scalar());
   }
   return {};
@@ -65,7 +60,7 @@ Result<void> read_keep(NetworkConfig& network, const YAML::Node& node, const std
 /// Sets the scalars below `node`; nested maps become dotted keys.
 Result<void> set_scalars(OptionTable& table, const std::string& key, const YAML::Node& node,
                          const std::string& source_file) {
-  const std::string source = at_line(source_file, node);
+  const std::string source = yaml_line(source_file, node);
   if (node.IsScalar()) return table.set(key, node.Scalar(), source);
   if (!node.IsMap()) return Error{fmt::format("{}: '{}' must be a single value", source, key)};
   for (const auto& entry : node) {
@@ -79,7 +74,7 @@ Result<void> read_network(NetworkConfig& network, OptionTable& table, const YAML
                           const std::string& file) {
   if (!node.IsMap()) {
     return Error{fmt::format("{}: network '{}' must hold 'model:' and 'classes:'",
-                             at_line(file, node), network.name)};
+                             yaml_line(file, node), network.name)};
   }
   for (const auto& entry : node) {
     const std::string key = entry.first.Scalar();
@@ -169,7 +164,7 @@ Result<DetectorConfig> parse_config(const YAML::Node& root, const std::filesyste
 
 /// "    rename: {tv: monitor}\n", or nothing.
 template <class Entries, class Emit>
-std::string yaml_line(const char* key, const Entries& entries, Emit emit) {
+std::string list_line(const char* key, const Entries& entries, Emit emit) {
   if (entries.empty()) return "";
   YAML::Emitter out;
   out << YAML::Flow;
@@ -185,9 +180,9 @@ std::string lists_to_yaml(const NetworkConfig& n) {
       out << YAML::EndMap;
     };
   };
-  return yaml_line("rename", n.rename, map(n.rename)) +
-         yaml_line("class_thresholds", n.class_thresholds, map(n.class_thresholds)) +
-         yaml_line("keep", n.keep, [&](YAML::Emitter& out) { out << n.keep; });
+  return list_line("rename", n.rename, map(n.rename)) +
+         list_line("class_thresholds", n.class_thresholds, map(n.class_thresholds)) +
+         list_line("keep", n.keep, [&](YAML::Emitter& out) { out << n.keep; });
 }
 
 }  // namespace
@@ -217,13 +212,9 @@ void DetectorConfig::describe(OptionTable& table) {
 
 Result<DetectorConfig> read_detector_config(const std::filesystem::path& file,
                                             std::span<const std::string> overrides) {
-  const Result<std::string> text = read_file(file);
-  if (!text) return text.error();
-  try {
-    return parse_config(YAML::Load(*text), file, overrides);
-  } catch (const YAML::Exception& e) {
-    return Error{fmt::format("{}:{}: not valid YAML: {}", file.string(), e.mark.line + 1, e.msg)};
-  }
+  const Result<YAML::Node> root = read_yaml(file);
+  if (!root) return root.error();
+  return parse_config(*root, file, overrides);
 }
 
 std::string to_yaml(DetectorConfig config) {

@@ -7,9 +7,8 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <yaml-cpp/yaml.h>
 
-#include "ydd/base/files.h"
+#include "ydd/base/yaml_reader.h"
 
 namespace ydd {
 namespace {
@@ -55,16 +54,12 @@ std::array<ClassNames, kSubcategoryCount> default_names() {
   }};
 }
 
-std::string at_line(const std::string& source, const YAML::Node& node) {
-  return fmt::format("{}:{}", source, node.Mark().line + 1);
-}
-
 Result<double> parse_extent(const YAML::Node& node, const std::string& source) {
   double value = 0;
   if (!node.IsScalar() || !YAML::convert<double>::decode(node, value) || !(value > 0) ||
       !(value <= kLargestExtent_m)) {
     return Error{fmt::format("{}: an extent must be a number above 0 and at most {} m",
-                             at_line(source, node), kLargestExtent_m)};
+                             yaml_line(source, node), kLargestExtent_m)};
   }
   return value;
 }
@@ -73,7 +68,7 @@ Result<DepthExtents> parse_extents(const YAML::Node& node, const std::string& so
   DepthExtents extents;
   if (!node) return extents;
   if (!node.IsMap()) {
-    return Error{at_line(source, node) + ": 'extents_m' must hold 'name: metres' pairs"};
+    return Error{yaml_line(source, node) + ": 'extents_m' must hold 'name: metres' pairs"};
   }
   for (const auto& entry : node) {
     const std::string name = entry.first.Scalar();
@@ -85,7 +80,7 @@ Result<DepthExtents> parse_extents(const YAML::Node& node, const std::string& so
     }
     if (member == nullptr) {
       return Error{fmt::format("{}: unknown extent '{}'; known are {}",
-                               at_line(source, entry.first), name, fmt::join(known, ", "))};
+                               yaml_line(source, entry.first), name, fmt::join(known, ", "))};
     }
     Result<double> value = parse_extent(entry.second, source);
     if (!value) return value.error();
@@ -102,7 +97,7 @@ Result<std::pair<std::string, std::optional<double>>> parse_class(const YAML::No
     out.first = node.Scalar();
     return out;
   }
-  const Error wrong{at_line(source, node) +
+  const Error wrong{yaml_line(source, node) +
                     ": a class must be a name or {name: NAME, extent_m: METRES}"};
   if (!node.IsMap()) return wrong;
   for (const auto& entry : node) {
@@ -127,7 +122,7 @@ Result<void> add_classes(const YAML::Node& list, Subcategory subcategory, const 
                          Classes& classes) {
   if (list.IsNull()) return {};
   if (!list.IsSequence()) {
-    return Error{fmt::format("{}: '{}' must hold a list of class names", at_line(source, list),
+    return Error{fmt::format("{}: '{}' must hold a list of class names", yaml_line(source, list),
                              to_string(subcategory))};
   }
   for (const YAML::Node& node : list) {
@@ -136,7 +131,7 @@ Result<void> add_classes(const YAML::Node& list, Subcategory subcategory, const 
     const auto& [name, extent_m] = *entry;
     if (!classes.emplace(name, ObjectClass{subcategory, extent_m}).second) {
       return Error{fmt::format("{}: class '{}' is named twice, first as '{}'; keep one",
-                               at_line(source, node), name,
+                               yaml_line(source, node), name,
                                to_string(classes.at(name).subcategory))};
     }
   }
@@ -149,7 +144,7 @@ Result<Classes> parse_classes(const YAML::Node& node, const std::string& source)
     const auto subcategory = parse_subcategory(entry.first.Scalar());
     if (!subcategory) {
       return Error{fmt::format("{}: unknown subcategory '{}'; known are {}",
-                               at_line(source, entry.first), entry.first.Scalar(),
+                               yaml_line(source, entry.first), entry.first.Scalar(),
                                fmt::join(kNames, ", "))};
     }
     if (auto added = add_classes(entry.second, *subcategory, source, classes); !added) {
@@ -169,13 +164,22 @@ Result<void> check_top_keys(const YAML::Node& root, const std::string& source) {
     const std::string key = entry.first.Scalar();
     if (key != "extents_m" && key != "classes") {
       return Error{fmt::format("{}: unknown key '{}'; known are extents_m, classes",
-                               at_line(source, entry.first), key)};
+                               yaml_line(source, entry.first), key)};
     }
   }
   if (!root["classes"] || !root["classes"].IsMap()) {
     return Error{source + ": 'classes' must hold 'subcategory: [class names]' lines"};
   }
   return {};
+}
+
+Result<ObjectCatalogue> parse_catalogue(const YAML::Node& root, const std::string& source) {
+  if (auto checked = check_top_keys(root, source); !checked) return checked.error();
+  const Result<DepthExtents> extents = parse_extents(root["extents_m"], source);
+  if (!extents) return extents.error();
+  Result<Classes> classes = parse_classes(root["classes"], source);
+  if (!classes) return classes.error();
+  return ObjectCatalogue(*extents, std::move(*classes));
 }
 
 }  // namespace
@@ -226,26 +230,15 @@ ObjectCatalogue ObjectCatalogue::defaults() {
 }
 
 Result<ObjectCatalogue> ObjectCatalogue::load(const std::filesystem::path& file) {
-  Result<std::string> text = read_file(file);
-  if (!text) return text.error();
-  return parse(*text, file.string());
+  const Result<YAML::Node> root = read_yaml(file);
+  if (!root) return root.error();
+  return parse_catalogue(*root, file.string());
 }
 
 Result<ObjectCatalogue> ObjectCatalogue::parse(const std::string& text, const std::string& source) {
-  try {
-    const YAML::Node root = YAML::Load(text);
-    if (auto checked = check_top_keys(root, source); !checked) return checked.error();
-    Result<DepthExtents> extents = parse_extents(root["extents_m"], source);
-    if (!extents) return extents.error();
-    Result<Classes> classes = parse_classes(root["classes"], source);
-    if (!classes) return classes.error();
-    ObjectCatalogue catalogue;
-    catalogue.extents_ = *extents;
-    catalogue.classes_ = std::move(*classes);
-    return catalogue;
-  } catch (const YAML::Exception& e) {
-    return Error{fmt::format("{}:{}: not valid YAML: {}", source, e.mark.line + 1, e.msg)};
-  }
+  const Result<YAML::Node> root = parse_yaml(text, source);
+  if (!root) return root.error();
+  return parse_catalogue(*root, source);
 }
 
 Subcategory ObjectCatalogue::subcategory_of(std::string_view class_name) const {

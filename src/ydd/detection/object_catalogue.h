@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "ydd/base/result.h"
 
@@ -60,6 +61,11 @@ struct ObjectClass {
 ///       small: [cup, bottle]
 class ObjectCatalogue {
  public:
+  ObjectCatalogue() = default;
+  ObjectCatalogue(const DepthExtents& extents,
+                  std::map<std::string, ObjectClass, std::less<>> classes)
+      : extents_(extents), classes_(std::move(classes)) {}
+
   /// The built-in table: COCO names, head, hand, and a few more; the same as configs/objects.yaml.
   static ObjectCatalogue defaults();
 

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/geometry/camera.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
 #include <Eigen/LU>
 
 namespace ydd {
@@ -43,7 +48,7 @@ void Camera::describe(OptionTable& t) {
   t.add("p1", p1, coefficient, "", "tangential distortion");
   t.add("p2", p2, coefficient, "", "tangential distortion");
   t.add("k3", k3, coefficient, "", "radial distortion, sixth order");
-  t.add("depth_scale", depth_scale, {1e-3, 1e6}, "1/m", "depth image value of one metre");
+  t.add("depth_scale", depth_scale, {1.0, 1e6}, "1/m", "depth image value of one metre");
   t.add("min_depth", min_depth_m, {0.0, 100.0}, "m", "nearer depth readings are invalid");
   t.add("max_depth", max_depth_m, {0.1, 1000.0}, "m", "farther depth readings are invalid");
   t.add("fps", fps, {0.1, 1000.0}, "Hz", "frame rate");
@@ -68,6 +73,43 @@ Eigen::Vector2d Camera::undistort(const Eigen::Vector2d& image_px) const {
     xy -= d.jacobian.inverse() * residual;
   }
   return {fx_px * xy.x() + cx_px, fy_px * xy.y() + cy_px};
+}
+
+Result<void> check_camera(const Camera& camera) {
+  Camera c = camera;
+  if (c.cx_px < 0 || c.cy_px < 0 || c.cx_px >= c.width_px || c.cy_px >= c.height_px) {
+    return Error{
+        fmt::format("the principal point ({}, {}) lies outside of the picture of {} x {}; "
+                    "are cx, cy and the picture's size right?",
+                    c.cx_px, c.cy_px, c.width_px, c.height_px)};
+  }
+  if (std::max(c.fx_px, c.fy_px) > 2 * std::min(c.fx_px, c.fy_px)) {
+    return Error{
+        fmt::format("the focal lengths {} and {} differ by more than a factor of two; are "
+                    "fx and fy right?",
+                    c.fx_px, c.fy_px)};
+  }
+  constexpr double kNarrowest_deg = 3;
+  constexpr double kWidest_deg = 150;
+  const double opening_deg =
+      2 * std::atan(0.5 * std::max(c.width_px, c.height_px) / c.fx_px) * 180 / std::numbers::pi;
+  if (opening_deg < kNarrowest_deg || opening_deg > kWidest_deg) {
+    return Error{
+        fmt::format("a focal length of {} px in a picture of {} x {} is an opening of "
+                    "{:.1f} degrees; are fx and the picture's size right?",
+                    c.fx_px, c.width_px, c.height_px, opening_deg)};
+  }
+  if (c.min_depth_m >= c.max_depth_m) {
+    return Error{fmt::format("min_depth {} m must be less than max_depth {} m", c.min_depth_m,
+                             c.max_depth_m)};
+  }
+  OptionTable table;
+  c.describe(table);
+  for (const Option& option : table.options()) {
+    if (option.key == "name") continue;
+    if (auto r = table.set(option.key, format_value(option), "camera"); !r) return r;
+  }
+  return {};
 }
 
 }  // namespace ydd

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "ydd/base/options.h"
+#include "ydd/base/result.h"
 
 namespace ydd {
 
@@ -56,5 +57,11 @@ struct Camera {
     return depth_m >= min_depth_m && depth_m <= max_depth_m;
   }
 };
+
+/// Whether these can be the values of a real camera: each in its range, the principal point in the
+/// picture, an opening of 3 to 150 degrees, pixels at most twice as high as wide or as wide as
+/// high, min_depth below max_depth. One line says what is not. For cameras from files, maps and
+/// options alike.
+Result<void> check_camera(const Camera& camera);
 
 }  // namespace ydd

@@ -23,6 +23,31 @@ Camera fr1() {
   return c;
 }
 
+TEST(Camera, ValuesThatNoRealOneHasAreTold) {
+  EXPECT_TRUE(check_camera(Camera()));
+  EXPECT_TRUE(check_camera(fr1()));
+  const auto is_refused = [](double Camera::*value, double to) {
+    Camera c = fr1();
+    c.*value = to;
+    return !check_camera(c);
+  };
+  for (const auto value :
+       {&Camera::fx_px, &Camera::fy_px, &Camera::cx_px, &Camera::cy_px, &Camera::k1, &Camera::k3,
+        &Camera::p2, &Camera::depth_scale, &Camera::min_depth_m, &Camera::max_depth_m, &Camera::fps,
+        &Camera::baseline_m}) {
+    for (const double to : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e7, -1e7}) {
+      EXPECT_TRUE(is_refused(value, to)) << to;
+    }
+  }
+  EXPECT_TRUE(is_refused(&Camera::cx_px, 640));
+  EXPECT_TRUE(is_refused(&Camera::cy_px, -0.5));
+  EXPECT_TRUE(is_refused(&Camera::fx_px, 250));
+  EXPECT_TRUE(is_refused(&Camera::max_depth_m, 0.1));
+  Camera huge;
+  huge.width_px = 1 << 30;
+  EXPECT_FALSE(check_camera(huge));
+}
+
 TEST(Camera, ProjectsAndUnprojects) {
   const Camera c = fr1();
   const Eigen::Vector3d p(0.3, -0.2, 1.7);
