@@ -34,7 +34,7 @@ Result<void> add_run(const BenchCase& bench_case, const std::string& variant,
   request.set = set;
   request.out = folder.string();
   request.quiet = true;
-  const Result<RunOutcome> run = run_sequence(request);
+  const Result<RunOutcome> run = run_whole_sequence(request);
   if (!run) return run.error();
   if (!run->groundtruth_file) {
     return Error{fmt::format("{}: has no groundtruth.txt", request.sequence)};

@@ -74,7 +74,7 @@ Result<std::vector<double>> ate_of_runs(const BenchCase& bench_case, const Bench
     run.set = set;
     run.out = (scratch / "run").string();
     run.quiet = true;
-    const Result<RunOutcome> outcome = run_sequence(run);
+    const Result<RunOutcome> outcome = run_whole_sequence(run);
     if (!outcome) return outcome.error();
     if (!outcome->groundtruth_file) {
       return Error{fmt::format("{}: has no groundtruth.txt", run.sequence)};

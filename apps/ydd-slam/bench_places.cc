@@ -151,7 +151,7 @@ Result<Counts> recording_counts(const std::string& sequence, const SeedRequest& 
   const fs::path scratch =
       fs::temp_directory_path() / fmt::format("ydd-slam-places-{}", ::getpid());
   run.out = scratch.string();
-  const Result<RunOutcome> outcome = run_sequence(run);
+  const Result<RunOutcome> outcome = run_whole_sequence(run);
   std::error_code ignored;
   fs::remove_all(scratch, ignored);
   if (!outcome) return outcome.error();

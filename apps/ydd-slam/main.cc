@@ -1,29 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
+
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "commands.h"
 #include "terminal.h"
+#include "ydd/base/interruption.h"
 #include "ydd/base/version.h"
 
 namespace {
 
 constexpr int kInputFailure = 1;
 constexpr int kUsageFailure = 2;
+constexpr int kSignalled = 128;  ///< and the signal's number, as a shell tells it
+
+/// A file that is opened later must not become a closed standard stream: log lines would go there.
+void reserve_standard_streams() {
+  for (int descriptor = 0; descriptor <= 2; ++descriptor) {
+    if (::fcntl(descriptor, F_GETFD) != -1 || errno != EBADF) continue;
+    if (::open("/dev/null", O_RDWR) < 0)
+      std::_Exit(kInputFailure);  // takes the lowest that is free
+  }
+}
+
+/// What was printed must have arrived; results that go into a pipe are results.
+ydd::Result<void> flush_output() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return {};
+  return ydd::Error{fmt::format("standard output: cannot be written: {}",
+                                std::generic_category().message(errno))};
+}
 
 int run_job(const ydd::app::Job& job) {
-  if (const ydd::Result<void> result = job(); !result) {
-    fmt::print(stderr, "error: {}\n", result.error().message);
-    return kInputFailure;
-  }
-  return EXIT_SUCCESS;
+  ydd::Result<void> result = job();
+  if (const ydd::Result<void> flushed = flush_output(); !flushed && result) result = flushed;
+  if (!result) fmt::print(stderr, "error: {}\n", result.error().message);
+  if (const int signal = ydd::interruption::signal(); signal != 0) return kSignalled + signal;
+  return result ? EXIT_SUCCESS : kInputFailure;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  reserve_standard_streams();
+  ydd::interruption::catch_signals();
   CLI::App app{"ydd-slam: visual RGB-D SLAM that keeps its bearings among moving people",
                "ydd-slam"};
   app.require_subcommand(1);
@@ -43,7 +69,14 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     return run_job(job);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? EXIT_SUCCESS : kUsageFailure;
+    if (app.exit(e) != 0) return kUsageFailure;
+    return run_job([]() -> ydd::Result<void> { return {}; });  // help that did not arrive
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "error: out of memory\n");
+    return EXIT_FAILURE;
+  } catch (const std::system_error& e) {  // no thread to be had, for example
+    fmt::print(stderr, "error: the system refused: {}\n", e.what());
+    return EXIT_FAILURE;
   } catch (const std::exception& e) {
     fmt::print(stderr, "error: internal: {}\n", e.what());
     return EXIT_FAILURE;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "ydd/dataset/tum_sequence.h"
 #include "ydd/system/system_options.h"
 
 namespace ydd::app {
@@ -15,6 +16,8 @@ void add_options_command(CLI::App& app, Job& job) {
       SystemOptions options;
       OptionTable table;
       options.describe(table);
+      SequenceOptions sequence;
+      table.group("sequence", sequence);
       fmt::print("{}", table.to_yaml());
       return {};
     };

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "run_job.h"
 #include "terminal.h"
+#include "ydd/base/log.h"
 
 namespace ydd::app {
 namespace {
@@ -14,15 +15,15 @@ void add_input_options(CLI::App& command, RunRequest& request) {
   command.add_option("sequence", request.sequence, "Folder in the TUM RGB-D layout")->required();
   command.add_option("--camera", request.camera,
                      "Camera file (our own, ORB-SLAM, stella_vslam, ROS, OpenCV, ...) or preset");
-  command.add_option("--associations", request.sequence_options.associations,
+  command.add_option("--associations", request.associations,
                      "File that pairs colour and depth images");
-  command.add_option("--max-difference", request.sequence_options.max_difference_s,
+  command.add_option("--max-difference", request.max_difference_s,
                      "Largest time between paired images in seconds");
   command
-      .add_option("--start-frame", request.sequence_options.first_frame,
-                  "Leave out so many frames at the beginning")
+      .add_option("--start-frame", request.first_frame, "Leave out so many frames at the beginning")
       ->check(CLI::Range(0, 1000000000));
-  command.add_option("--max-frames", request.max_frames, "Stop after so many frames");
+  command.add_option("--max-frames", request.max_frames, "Stop after so many frames (0: all)")
+      ->check(CLI::Range(0, 1000000000));
   command.add_flag("--strict", request.strict, "A frame that cannot be read ends the run");
   command.add_flag("--realtime", request.realtime, "Keep the camera's pace, drop what is late");
 }
@@ -114,21 +115,35 @@ void add_serve_options(CLI::App& command, RunRequest& request) {
       ->needs(serve);
 }
 
+void tell(const RunRequest& request, const RunOutcome& outcome) {
+  if (request.json) {
+    fmt::print("{}", outcome.summary_json);
+    return;
+  }
+  if (request.quiet) return;
+  fmt::print("tracked {} of {} frames\n", outcome.tracked, outcome.processed);
+  fmt::print("results in {}\n", outcome.folder.string());
+  if (outcome.groundtruth_file) {
+    fmt::print("compare: ydd-slam eval {} {}\n", outcome.groundtruth_file->string(),
+               (outcome.folder / "trajectory.tum").string());
+  }
+}
+
 Result<void> run_and_tell(const RunRequest& request) {
   const Result<RunOutcome> outcome = run_sequence(request);
   if (!outcome) return outcome.error();
-  if (request.json) {
-    fmt::print("{}", outcome->summary_json);
+  tell(request, *outcome);
+  const bool cut_short = !outcome->incomplete.empty();
+  if (outcome->failure.empty()) {
+    if (cut_short) {
+      log::warning("{}; what was done until then is in {}", outcome->incomplete,
+                   outcome->folder.string());
+    }
     return {};
   }
-  if (request.quiet) return {};
-  fmt::print("tracked {} of {} frames\n", outcome->tracked, outcome->processed);
-  fmt::print("results in {}\n", outcome->folder.string());
-  if (outcome->groundtruth_file) {
-    fmt::print("compare: ydd-slam eval {} {}\n", outcome->groundtruth_file->string(),
-               (outcome->folder / "trajectory.tum").string());
-  }
-  return {};
+  if (!cut_short) return Error{outcome->failure};
+  return Error{fmt::format("{}; what was done until then is in {}", outcome->failure,
+                           outcome->folder.string())};
 }
 
 }  // namespace

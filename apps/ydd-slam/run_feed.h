@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "run_job.h"
 #include "run_pictures.h"
@@ -26,11 +27,15 @@ struct FeedInput {
 struct Listeners {
   RunRecorder recorder;
   KeyMoments moments;
-  std::unique_ptr<RunPictures> pictures;  ///< null: none are asked for
+  std::unique_ptr<RunPictures> pictures;  ///< null: none are asked for, or they failed
+  std::string pictures_failure;           ///< empty: they did not
 };
 
-/// How many frames a run reads at most.
-std::size_t frames_to_feed(const Sequence& sequence, const RunRequest& request);
+/// How a run ended.
+struct FeedEnd {
+  std::string incomplete;  ///< why before the sequence did; empty: it did not
+  std::string failure;     ///< one line; empty: none
+};
 
 /// What watchers of the run need to know beforehand. Ground truth that cannot be read is left out:
 /// the report at the end tells why. A map that a watcher saves
@@ -38,10 +43,9 @@ std::size_t frames_to_feed(const Sequence& sequence, const RunRequest& request);
 LiveScene live_scene(const FeedInput& input, bool has_detector,
                      const std::filesystem::path& folder);
 
-/// Feeds the sequence to the system, frame by frame, until it ends or a watcher ends it, and
-/// finishes the system. `listeners` hear of every frame; `live` (may be null) shows it to watchers
-/// and takes their commands.
-Result<void> feed(const FeedInput& input, SlamSystem& system, Listeners& listeners,
-                  LiveControl* live);
+/// Feeds the sequence to the system, frame by frame, until it ends, a watcher or a signal ends it,
+/// or something fails; and finishes the system. `listeners` hear of every frame; `live` (may be
+/// null) shows it to watchers and takes their commands.
+FeedEnd feed(const FeedInput& input, SlamSystem& system, Listeners& listeners, LiveControl* live);
 
 }  // namespace ydd::app

@@ -44,13 +44,15 @@ struct RunRequest {
   bool localization_only = false;  ///< use the map, do not change it
   std::string dynamic;
   std::string trajectory_format = "tum";
-  SequenceOptions sequence_options;
+  std::optional<double> max_difference_s;  ///< where given, these count more than the
+  std::optional<int> first_frame;          ///< configuration's
+  std::optional<int> max_frames;
+  std::optional<std::string> associations;
   ViewRequest view;
   std::optional<std::string> serve;  ///< address of the live page; empty: the default one
   std::string serve_token;
   int pictures_every = 1;
-  int max_frames = 0;  ///< 0: all
-  int seed = -1;       ///< negative: as configured
+  int seed = -1;  ///< negative: as configured
   bool realtime = false;
   bool deterministic = false;
   bool strict = false;
@@ -68,9 +70,18 @@ struct RunOutcome {
   std::shared_ptr<const Atlas> atlas;  ///< in the end
   int processed = 0;
   int tracked = 0;
+  std::string incomplete = {};  ///< why the run ended before its sequence did; empty: it did not
+  std::string failure = {};     ///< one line on what went wrong, or could not be written
 };
 
 /// Runs the system over a sequence and leaves the results in a folder.
+///
+/// Fails when nothing could be computed: an input that cannot be read. Once a frame has been
+/// processed there is an outcome, whatever happens then: what was done is written, each result on
+/// its own, and `incomplete` and `failure` tell what is missing.
 Result<RunOutcome> run_sequence(const RunRequest& request);
+
+/// The same for those who need all of it: fails also when it ended early or something went wrong.
+Result<RunOutcome> run_whole_sequence(const RunRequest& request);
 
 }  // namespace ydd::app

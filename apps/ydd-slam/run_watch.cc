@@ -16,16 +16,11 @@ namespace ydd::app {
 namespace {
 
 /// `feed`, whose failure must not leave watchers waiting.
-Result<void> feed_or_tell(const FeedInput& input, SlamSystem& system, Listeners& listeners,
-                          LiveControl& live) {
-  try {
-    Result<void> fed = feed(input, system, listeners, &live);
-    if (!fed) live.close(LiveEnd::failed);
-    return fed;
-  } catch (...) {
-    live.close(LiveEnd::failed);
-    throw;
-  }
+FeedEnd feed_or_tell(const FeedInput& input, SlamSystem& system, Listeners& listeners,
+                     LiveControl& live) {
+  FeedEnd end = feed(input, system, listeners, &live);
+  if (!end.failure.empty()) live.close(LiveEnd::failed);
+  return end;
 }
 
 /// The live page, if the request wants one; null otherwise.
@@ -53,10 +48,10 @@ LiveWindowOptions window_options(const RunRequest& request, const std::filesyste
 
 /// The window has the calling thread, as GLFW wants it; the run gets one of its own. That one is
 /// started first: opening the window lowers the priority of the thread that does it.
-Result<void> feed_in_window(const FeedInput& input, SlamSystem& system, Listeners& listeners,
-                            LiveControl& live, const std::filesystem::path& folder) {
+Result<FeedEnd> feed_in_window(const FeedInput& input, SlamSystem& system, Listeners& listeners,
+                               LiveControl& live, const std::filesystem::path& folder) {
   Channel<bool> window_is_open(1);
-  std::future<Result<void>> fed = std::async(std::launch::async, [&]() -> Result<void> {
+  std::future<FeedEnd> fed = std::async(std::launch::async, [&]() -> FeedEnd {
     if (!window_is_open.pop()) return {};
     return feed_or_tell(input, system, listeners, live);
   });
@@ -67,9 +62,10 @@ Result<void> feed_in_window(const FeedInput& input, SlamSystem& system, Listener
   }
   if (input.request.view.paused) live.send(live::Step{});
   window_is_open.push(true);
-  Result<void> shown = window->show(live);
-  if (Result<void> run = fed.get(); !run) return run;
-  return shown;
+  const Result<void> shown = window->show(live);
+  FeedEnd end = fed.get();
+  if (!shown && end.failure.empty()) end.failure = shown.error().message;
+  return end;
 }
 
 #endif
@@ -90,8 +86,8 @@ Result<void> check_watchers(const RunRequest& request) {
   return options ? Result<void>() : options.error();
 }
 
-Result<void> feed_watched(const FeedInput& input, SlamSystem& system, Listeners& listeners,
-                          bool has_detector, const std::filesystem::path& folder) {
+Result<FeedEnd> feed_watched(const FeedInput& input, SlamSystem& system, Listeners& listeners,
+                             bool has_detector, const std::filesystem::path& folder) {
   const RunRequest& request = input.request;
   if (!request.view.window && !request.serve) return feed(input, system, listeners, nullptr);
   LiveControl live(live_scene(input, has_detector, folder));

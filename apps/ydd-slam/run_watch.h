@@ -13,7 +13,7 @@ Result<void> check_watchers(const RunRequest& request);
 
 /// `feed`, while whoever the request names looks on: a window (`--view`), which takes the calling
 /// thread for as long as it is open (screenshots go to `folder`), and a web page (`--serve`).
-Result<void> feed_watched(const FeedInput& input, SlamSystem& system, Listeners& listeners,
-                          bool has_detector, const std::filesystem::path& folder);
+Result<FeedEnd> feed_watched(const FeedInput& input, SlamSystem& system, Listeners& listeners,
+                             bool has_detector, const std::filesystem::path& folder);
 
 }  // namespace ydd::app

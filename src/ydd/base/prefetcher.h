@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <exception>
 #include <functional>
@@ -58,6 +59,15 @@ class Prefetcher {
 
   std::size_t count() const { return count_; }
 
+  /// Items before `i` are not wanted any more: those that are not computed yet never will be.
+  void skip_to(std::size_t i) {
+    first_wanted_.store(i);
+    while (next_ < std::min(i, count_)) {
+      if (!channels_.empty() && !channels_[next_ % channels_.size()]->pop()) return;
+      ++next_;
+    }
+  }
+
   /// The next item, waiting for it if need be; nothing after the last. What `make` threw for an
   /// item is thrown here in its place; the one after is then next.
   std::optional<T> next() {
@@ -73,9 +83,11 @@ class Prefetcher {
   }
 
  private:
-  using Item = std::variant<T, std::exception_ptr>;
+  struct Skipped {};
+  using Item = std::variant<T, std::exception_ptr, Skipped>;
 
   Item compute(std::size_t i) const {
+    if (i < first_wanted_.load()) return Item(std::in_place_index<2>);
     try {
       return Item(std::in_place_index<0>, make_(i));
     } catch (...) {
@@ -92,6 +104,7 @@ class Prefetcher {
   const std::size_t count_;
   const Make make_;
   std::size_t next_ = 0;
+  std::atomic<std::size_t> first_wanted_{0};
   std::vector<std::unique_ptr<Channel<Item>>> channels_;
   std::vector<std::jthread> threads_;  ///< last: joined before the channels go
 };

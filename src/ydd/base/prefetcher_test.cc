@@ -108,5 +108,21 @@ TEST(Prefetcher, EarlyDestructionStopsCleanly) {
   }
 }
 
+TEST(Prefetcher, SkippedItemsAreNotComputed) {
+  for (const std::size_t workers : {0U, 1U, 3U}) {
+    std::atomic<int> computed{0};
+    Prefetcher<int> items(1000, 4, workers, [&](std::size_t i) {
+      ++computed;
+      return static_cast<int>(i);
+    });
+    EXPECT_EQ(items.next(), 0) << workers;
+    items.skip_to(900);
+    EXPECT_EQ(items.next(), 900) << workers;
+    EXPECT_LT(computed.load(), 100) << workers;
+    items.skip_to(5000);
+    EXPECT_FALSE(items.next()) << workers;
+  }
+}
+
 }  // namespace
 }  // namespace ydd

@@ -54,7 +54,8 @@ TEST(YamlReader, NestingHasABound) {
 }
 
 TEST(YamlReader, AKeyTwiceMustHaveOneValue) {
-  EXPECT_EQ(error_of("a: 1\nb: 2\na: 3\n"), "a.yaml:3: 'a' is '3' here and '1' in line 1; keep one");
+  EXPECT_EQ(error_of("a: 1\nb: 2\na: 3\n"),
+            "a.yaml:3: 'a' is '3' here and '1' in line 1; keep one");
   EXPECT_THAT(error_of("m:\n  - {a: 1, a: 2}\n"), HasSubstr("a.yaml:2: 'a' is '2' here"));
   EXPECT_THAT(error_of("a: [1]\na: [2]\n"), HasSubstr("a list or map here and a list or map"));
   EXPECT_EQ(error_of("a: 1.50\na: 1.5\n"), "no error");
@@ -71,8 +72,8 @@ TEST(YamlReader, OneDocumentOfText) {
 }
 
 TEST(YamlReader, OpenCvsDialectKeepsItsLines) {
-  const auto root = parse_yaml("\xEF\xBB\xBF%YAML:1.0\n---\n# c\nViewer.Size:2\n  \nb: x:y\nc:[1]\n",
-                               "a.yaml");
+  const auto root =
+      parse_yaml("\xEF\xBB\xBF%YAML:1.0\n---\n# c\nViewer.Size:2\n  \nb: x:y\nc:[1]\n", "a.yaml");
   ASSERT_TRUE(root) << root.error().message;
   EXPECT_EQ((*root)["Viewer.Size"].Scalar(), "2");
   EXPECT_EQ((*root)["b"].Scalar(), "x:y");

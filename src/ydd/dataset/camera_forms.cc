@@ -118,9 +118,10 @@ struct Key {
 
 Error missing(const Form& form, const Key& key, const char* who, const Names& required) {
   if (std::string_view(key.ours) == "depth_scale") {
-    return Error{fmt::format("{}: '{}' is missing, the depth image's value of one metre (1000 for "
-                             "millimetres); add it if this is {}",
-                             form.file(), key.theirs.front(), who)};
+    return Error{
+        fmt::format("{}: '{}' is missing, the depth image's value of one metre (1000 for "
+                    "millimetres); add it if this is {}",
+                    form.file(), key.theirs.front(), who)};
   }
   return Error{fmt::format("{}: '{}' is missing; {} needs {}", form.file(), key.theirs.front(), who,
                            fmt::join(required, ", "))};
@@ -151,10 +152,20 @@ Result<GivenCamera> values_of(const Form& form, const std::vector<Key>& keys, co
 
 /// Names of what we compute with, squeezed; "" and "none" for no distortion. A rational lens is one
 /// of them when its k4 to k6 are zero.
-constexpr std::array<std::string_view, 14> kPinholes = {
-    "",         "pinhole",  "rectified", "perspective",      "plumbbob",
-    "radtan",   "none",     "opencv",    "radialtangential", "rationalpolynomial",
-    "rational", "brownconrady", "distortionbrownconrady", "distortionnone"};
+constexpr std::array<std::string_view, 14> kPinholes = {"",
+                                                        "pinhole",
+                                                        "rectified",
+                                                        "perspective",
+                                                        "plumbbob",
+                                                        "radtan",
+                                                        "none",
+                                                        "opencv",
+                                                        "radialtangential",
+                                                        "rationalpolynomial",
+                                                        "rational",
+                                                        "brownconrady",
+                                                        "distortionbrownconrady",
+                                                        "distortionnone"};
 
 bool is_lens_key(const std::string& key) {
   static const Names kKeys = {"Camera.type",        "Camera.model", "camera_type", "camera_model",
@@ -178,8 +189,8 @@ Result<void> check_lens_names(const Form& form) {
     const bool is_modified = name.ends_with("modifiedbrownconrady");
     if ((is_inverse || is_modified) && all_zero(form.find("coeffs"))) continue;
     if (std::find(kPinholes.begin(), kPinholes.end(), name) != kPinholes.end()) continue;
-    return Error{fmt::format("{}: '{}' is '{}', another lens: {}", entry.source,
-                             entry.key, on_one_line(entry.texts.front()), kOurLens)};
+    return Error{fmt::format("{}: '{}' is '{}', another lens: {}", entry.source, entry.key,
+                             on_one_line(entry.texts.front()), kOurLens)};
   }
   return {};
 }
@@ -211,10 +222,11 @@ Result<void> add_coefficients(const Entry* entry, GivenCamera& camera) {
     if (i < kOrder.size()) {
       camera.values.push_back({kOrder[i], name, entry->texts[i], entry->source});
     } else if (number(entry->texts[i]) != 0.0) {
-      return Error{fmt::format("{}: '{}' has {} coefficients, of which the {}th is '{}' but can "
-                               "only be 0: {}",
-                               entry->source, entry->key, entry->texts.size(), i + 1,
-                               on_one_line(entry->texts[i]), kOurLens)};
+      return Error{
+          fmt::format("{}: '{}' has {} coefficients, of which the {}th is '{}' but can "
+                      "only be 0: {}",
+                      entry->source, entry->key, entry->texts.size(), i + 1,
+                      on_one_line(entry->texts[i]), kOurLens)};
     }
   }
   return {};
@@ -251,18 +263,17 @@ Result<GivenCamera> read_orbslam(const Form& form, bool is_new) {
 }
 
 Result<GivenCamera> read_stella(const Form& form) {
-  return values_of(
-      form,
-      with_lens({{"width", {"Camera.cols"}, true},
-                 {"height", {"Camera.rows"}, true},
-                 {"depth_scale",
-                  {"Preprocessing.depthmap_factor", "Tracking.depthmap_factor", "depthmap_factor",
-                   "Camera.depthmap_factor"},
-                  true},
-                 {"fps", {"Camera.fps"}},
-                 {"bf", {"Camera.focal_x_baseline"}}},
-                "Camera."),
-      "an RGB-D camera in a settings file of stella_vslam");
+  return values_of(form,
+                   with_lens({{"width", {"Camera.cols"}, true},
+                              {"height", {"Camera.rows"}, true},
+                              {"depth_scale",
+                               {"Preprocessing.depthmap_factor", "Tracking.depthmap_factor",
+                                "depthmap_factor", "Camera.depthmap_factor"},
+                               true},
+                              {"fps", {"Camera.fps"}},
+                              {"bf", {"Camera.focal_x_baseline"}}},
+                             "Camera."),
+                   "an RGB-D camera in a settings file of stella_vslam");
 }
 
 /// What the calibrations of others do not say, and a user adds.
@@ -278,8 +289,8 @@ std::vector<Key> with_added(std::vector<Key> keys) {
 }
 
 Result<GivenCamera> read_camodocal(const Form& form) {
-  std::vector<Key> keys = with_added({{"width", {"image_width"}, true},
-                                      {"height", {"image_height"}, true}});
+  std::vector<Key> keys =
+      with_added({{"width", {"image_width"}, true}, {"height", {"image_height"}, true}});
   for (const char* const name : {"fx", "fy", "cx", "cy"}) {
     keys.push_back({name, {std::string("projection_parameters.") + name}, true});
   }
@@ -343,10 +354,17 @@ Result<GivenCamera> read_own(const Form& form) {
 
 // --- forms with a matrix or a list ---------------------------------------------------------------
 
-const Names kMatrixKeys = {"camera_matrix.data", "camera_matrix",         "Camera_Matrix.data",
-                           "cameraMatrix.data",  "cameraMatrix",          "K.data",
-                           "K",                  "k",                     "intrinsic_matrix",
-                           "Camera_Matrix",      "intrinsic.intrinsic_matrix"};
+const Names kMatrixKeys = {"camera_matrix.data",
+                           "camera_matrix",
+                           "Camera_Matrix.data",
+                           "cameraMatrix.data",
+                           "cameraMatrix",
+                           "K.data",
+                           "K",
+                           "k",
+                           "intrinsic_matrix",
+                           "Camera_Matrix",
+                           "intrinsic.intrinsic_matrix"};
 const Names kCoefficientKeys = {"distortion_coefficients.data",
                                 "distortion_coefficients",
                                 "distortion_coefficents.data",
@@ -383,10 +401,8 @@ Result<GivenCamera> read_matrix(const Form& form) {
   }
   const std::size_t cx = by_rows ? 2 : 6;
   const std::size_t cy = by_rows ? 5 : 7;
-  for (const auto& [ours, place] : {std::pair<const char*, std::size_t>{"fx", 0},
-                                    {"fy", 4},
-                                    {"cx", cx},
-                                    {"cy", cy}}) {
+  for (const auto& [ours, place] :
+       {std::pair<const char*, std::size_t>{"fx", 0}, {"fy", 4}, {"cx", cx}, {"cy", cy}}) {
     camera->values.push_back(
         {ours, fmt::format("{}[{}]", matrix.key, place), matrix.texts[place], matrix.source});
   }

@@ -144,7 +144,8 @@ TEST(CameraForms, OtherLensesAreRefusedByName) {
 
 TEST(CameraForms, RationalLensesAreRefusedUnlessTheirTermsAreZero) {
   const std::string own = "width: 320\nheight: 240\nfx: 260\nfy: 261\ncx: 160\ncy: 120\n";
-  EXPECT_THAT(error_of(kOrbSlam + "Camera.k4: 2.5\n"), HasSubstr("c.yaml:12: 'Camera.k4' is '2.5'"));
+  EXPECT_THAT(error_of(kOrbSlam + "Camera.k4: 2.5\n"),
+              HasSubstr("c.yaml:12: 'Camera.k4' is '2.5'"));
   EXPECT_THAT(error_of(own + "k6: 0.5\n"), HasSubstr("c.yaml:7: 'k6' is '0.5' but can only be 0"));
   EXPECT_THAT(error_of(with(kStella, "k2", "k5")), HasSubstr("'Camera.k5' is '0.25'"));
   EXPECT_THAT(error_of(with(kRos, "0.0, 0.25, 0.0, 0.0, 0.0", "0, 0, 0, 0, 0, 0, -1.5, 0") +

@@ -29,6 +29,9 @@ class FrameSource {
   /// the last.
   std::optional<Result<RgbdFrame>> next() { return prefetcher_->next(); }
 
+  /// Frames before `i` are not wanted any more, nor decoded.
+  void skip_to(std::size_t i) { prefetcher_->skip_to(i); }
+
   const Sequence& sequence() const { return *sequence_; }
 
  private:

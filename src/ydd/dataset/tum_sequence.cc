@@ -105,6 +105,10 @@ void SequenceOptions::describe(OptionTable& table) {
             "a colour and a depth image farther apart in time are no pair");
   table.add("associations", associations, {},
             "file with 'time colour time depth' lines to use instead of pairing by time");
+  table.add("first_frame", first_frame, {0, 1'000'000'000}, "frames",
+            "leave out so many frames at the beginning");
+  table.add("max_frames", max_frames, {0, 1'000'000'000}, "frames",
+            "stop after so many frames; 0: at the end");
 }
 
 Result<Sequence> Sequence::open(const fs::path& folder, const SequenceOptions& options) {
@@ -126,6 +130,11 @@ Result<Sequence> Sequence::open(const fs::path& folder, const SequenceOptions& o
     }
     sequence.entries_.erase(sequence.entries_.begin(),
                             sequence.entries_.begin() + options.first_frame);
+  }
+  const auto most = static_cast<std::size_t>(std::max(0, options.max_frames));
+  if (most > 0 && sequence.size() > most) {
+    sequence.entries_.erase(sequence.entries_.begin() + static_cast<std::ptrdiff_t>(most),
+                            sequence.entries_.end());
   }
   const fs::path truth = folder / "groundtruth.txt";
   if (fs::exists(truth)) sequence.groundtruth_file_ = truth;

@@ -18,6 +18,7 @@ namespace ydd {
 struct SequenceOptions {
   double max_difference_s = 0.02;
   int first_frame = 0;            ///< earlier ones are left out; this one then has index 0
+  int max_frames = 0;             ///< as many frames at most; 0: all
   std::string associations = {};  ///< file of "stamp colour stamp depth" lines; empty: pair by time
 
   void describe(OptionTable& table);

@@ -96,8 +96,11 @@ ConvolutionKernel choose_convolution(const ConvolutionProblem& problem,
     bool activates, adds, any_destination;
   };
   // From nothing left to do to most: each other pass reads and writes the map once more.
-  constexpr Form kForms[] = {{true, true, false},   {true, false, false}, {true, false, true},
-                             {false, false, false}, {false, false, true}};
+  constexpr Form kForms[] = {{true, true, false},
+                             {true, false, false},
+                             {true, false, true},
+                             {false, false, false},
+                             {false, false, true}};
   std::optional<ConvolutionKernel> general;
   for (const Form& form : kForms) {
     const auto kernel = ask(problem, attributes_of(problem.layer, form.activates, form.adds),
@@ -113,12 +116,11 @@ ConvolutionKernel choose_convolution(const ConvolutionProblem& problem,
 
 dnnl::eltwise_forward::primitive_desc choose_activation(const Layer& layer, const memory::desc& map,
                                                         const dnnl::engine& engine) {
-  return without_reference(
-      dnnl::eltwise_forward::primitive_desc({dnnl::prop_kind::forward_inference,
-                                             algorithm_of(layer.activation), map, alpha_of(layer),
-                                             0.0F},
-                                            engine),
-      "an activation of the network here");
+  return without_reference(dnnl::eltwise_forward::primitive_desc(
+                               {dnnl::prop_kind::forward_inference, algorithm_of(layer.activation),
+                                map, alpha_of(layer), 0.0F},
+                               engine),
+                           "an activation of the network here");
 }
 
 }  // namespace ydd

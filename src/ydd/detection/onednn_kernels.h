@@ -32,8 +32,7 @@ struct ConvolutionKernel {
 /// AVX-512 has kernels for everything in one pass. AVX2 and SSE4.1 have none that adds after the
 /// activation, nor for all layouts.
 /// @throws dnnl::error, std::runtime_error where there is none.
-ConvolutionKernel choose_convolution(const ConvolutionProblem& problem,
-                                     const dnnl::engine& engine);
+ConvolutionKernel choose_convolution(const ConvolutionProblem& problem, const dnnl::engine& engine);
 
 dnnl::eltwise_forward::primitive_desc choose_activation(const Layer& layer,
                                                         const dnnl::memory::desc& map,

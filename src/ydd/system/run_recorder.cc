@@ -141,10 +141,11 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
   for (const auto& [frame, command] : commands_) {
     commands.push_back({{"after_frame", frame}, {"command", command}});
   }
-  const auto frames_in = processed_ + dropped_ + static_cast<int>(skipped_.size());
   const Json out = {
       {"version", kVersion},
       {"sequence", run.sequence},
+      {"complete", run.incomplete.empty()},
+      {"incomplete", run.incomplete},
       {"variant", run.variant},
       {"detector", run.detector},
       {"deterministic", run.deterministic},
@@ -152,7 +153,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"seed", run.seed},
       {"groundtruth", run.groundtruth},
       {"versions", run.versions},
-      {"frames_in", frames_in},
+      {"frames_in", frames_in()},
       {"frames_processed", processed_},
       {"frames_dropped", dropped_},
       {"frames_skipped", skipped},

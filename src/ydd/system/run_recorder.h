@@ -18,7 +18,8 @@ struct RunDescription {
   bool deterministic = false;
   bool realtime = false;
   int seed = 0;
-  std::string groundtruth = {};                      ///< file; empty: the sequence has none
+  std::string groundtruth = {};  ///< file; empty: the sequence has none
+  std::string incomplete = {};   ///< why the run ended before its sequence did; empty: it did not
   std::map<std::string, std::string> versions = {};  ///< of what the programme is made of, by name
 };
 
@@ -48,6 +49,7 @@ class RunRecorder {
   /// (rule) and stages_cpu_ms (null where a stage did not run).
   std::string frames_json() const;
 
+  int frames_in() const { return processed_ + dropped_ + static_cast<int>(skipped_.size()); }
   int processed() const { return processed_; }
   int tracked() const { return tracked_; }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "ydd/base/interruption.h"
 #include "ydd/base/timing.h"
 
 namespace ydd {
@@ -28,7 +29,7 @@ bool LiveRun::ready_for_frame() {
 }
 
 void LiveRun::wait_while_paused() {
-  while (status_.paused && steps_ == 0 && !quit_) {
+  while (status_.paused && steps_ == 0 && !quit_ && interruption::signal() == 0) {
     if (const auto command = control_.next_command(kPausedWait_ms)) {
       carry_out(*command);
     } else if (newest_.atlas && system_.atlas() != newest_.atlas) {

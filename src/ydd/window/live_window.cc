@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include "ydd/base/interruption.h"
 #include "ydd/base/log.h"
 #include "ydd/base/timing.h"
 #include "ydd/image/encode.h"
@@ -58,7 +59,7 @@ class LiveWindow::Impl {
 
   Result<void> show(LiveControl& control) {
     last_input_ns_ = wall_clock_ns();
-    while (!window_.closing() && control.end() != LiveEnd::failed) {
+    while (!window_.closing() && control.end() != LiveEnd::failed && !interrupted(control)) {
       const bool input = window_.wait_for_input(seconds_to_next_redraw());
       const std::int64_t now_ns = wall_clock_ns();
       if (input) last_input_ns_ = now_ns;
@@ -82,6 +83,10 @@ class LiveWindow::Impl {
   }
 
   bool at_end() const { return live_ && live_->status.finished; }
+  /// Somebody at the terminal does not want to look any longer; the run itself ends first.
+  static bool interrupted(const LiveControl& control) {
+    return interruption::signal() != 0 && control.end() != LiveEnd::running;
+  }
   /// Asked when nothing is left to draw. A run that ended without a frame is done, too.
   bool done(const LiveControl& control) const {
     return options_.close_at_end && control.end() == LiveEnd::ended && (at_end() || !live_);
