@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "ydd/base/files.h"
 #include "ydd/viewer/video_module/video_module.h"
 
 namespace ydd {
@@ -51,20 +52,16 @@ Result<Module> load_module(const fs::path& file) {
 }  // namespace
 
 struct VideoFile::State {
-  fs::path file, unfinished;
+  fs::path file;
+  FreshFile unfinished;
   Module module;
   int width_px = 0, height_px = 0;
   void* encoder = nullptr;
-  bool finished = false;
 
   void close() {
     if (encoder) module.close(std::exchange(encoder, nullptr));
   }
-  ~State() {
-    close();
-    std::error_code ignored;
-    if (!finished) fs::remove(unfinished, ignored);
-  }
+  ~State() { close(); }
 };
 
 VideoFile::VideoFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -83,10 +80,12 @@ Result<VideoFile> VideoFile::open(const fs::path& file, int width_px, int height
   }
   const Result<Module> module = load_module(file);
   if (!module) return module.error();
-  const fs::path unfinished = folder / fmt::format(".{}.{}.mp4", file.stem().string(), ::getpid());
+  Result<FreshFile> unfinished = FreshFile::make(follow_links(file), ".mp4");
+  if (!unfinished) return unfinished.error();
   std::unique_ptr<State> state(
-      new State{file, unfinished, *module, width_px, height_px, nullptr, false});
-  state->encoder = module->open(unfinished.c_str(), width_px, height_px, frames_per_second);
+      new State{file, std::move(*unfinished), *module, width_px, height_px, nullptr});
+  state->encoder =
+      module->open(state->unfinished.path().c_str(), width_px, height_px, frames_per_second);
   if (!state->encoder) {
     return Error{
         fmt::format("{}: this OpenCV has no encoder for MP4 (H.264 or MPEG-4); --frames "
@@ -106,11 +105,7 @@ Result<void> VideoFile::add(const ColourImage& picture) {
 
 Result<void> VideoFile::finish() {
   state_->close();
-  std::error_code error;
-  fs::rename(state_->unfinished, state_->file, error);
-  if (error) return Error{fmt::format("{}: {}", state_->file.string(), error.message())};
-  state_->finished = true;
-  return {};
+  return state_->unfinished.place();
 }
 
 }  // namespace ydd
