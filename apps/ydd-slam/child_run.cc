@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "ydd/base/files.h"
+#include "ydd/base/json_reader.h"
 
 namespace ydd::app {
 namespace {
@@ -51,7 +52,7 @@ std::string last_line(const std::string& text) {
 Result<Json> read_json(const fs::path& file) {
   const Result<std::string> text = read_file(file);
   if (!text) return text.error();
-  return Json::parse(*text);
+  return parse_json(*text, file.string());
 }
 
 /// The value of the first line "key : value" of a file of /proc.

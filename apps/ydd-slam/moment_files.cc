@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ydd/base/files.h"
+#include "ydd/base/json_reader.h"
 
 namespace ydd::app {
 namespace {
@@ -18,7 +19,8 @@ constexpr const char* kList = "moments.json";
 /// The entries of the list that name a file beside it.
 std::vector<Json> listed(const fs::path& folder) {
   const auto text = read_file(folder / kList);
-  const Json json = text ? Json::parse(*text, nullptr, false) : Json();
+  const Result<Json> read = text ? parse_json(*text, kList) : Json();
+  const Json json = read ? *read : Json();
   std::vector<Json> out;
   if (!json.is_array()) return out;
   for (const Json& entry : json) {

@@ -4,8 +4,10 @@
 #include <utility>
 
 #include "default_detector.h"
+#include "ydd/base/log.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/detection/detector_config.h"
+#include "ydd/detection/person_check.h"
 #include "ydd/detection/recorded_detections.h"
 
 namespace ydd::app {
@@ -87,8 +89,11 @@ Result<std::unique_ptr<Detector>> make_run_detector(const RunRequest& request,
   if (request.detections.empty()) return std::unique_ptr<Detector>();
   Result<DetectionRecording> recording = DetectionRecording::read(request.detections);
   if (!recording) return recording.error();
-  return std::unique_ptr<Detector>(
-      std::make_unique<RecordedDetector>(std::move(*recording), request.detections));
+  if (const auto nobody = nobody_warning(*recording, catalogue, request.detections)) {
+    log::warning("{}", *nobody);
+  }
+  return std::unique_ptr<Detector>(std::make_unique<RecordedDetector>(
+      named_by_rules(std::move(*recording), catalogue), request.detections));
 }
 
 }  // namespace ydd::app

@@ -19,6 +19,12 @@ Result<std::optional<Atlas>> open_run_map(const RunRequest& request, const Camer
                              PyramidScales::make(options.orb.levels, options.orb.scale_step));
   }
   if (!same) return Error{fmt::format("{}: {}", request.map, same.error().message)};
+  if (const double px = camera_difference_px(atlas->camera(), camera); px > 0.01) {
+    log::info(
+        "{}: its camera differs from this one by up to {:.2f} px (at most {:.1f} may); "
+        "the map's calibration is used",
+        request.map, px, kCameraTolerance * camera.width_px);
+  }
   if (atlas->keyframes().empty()) {
     if (request.localization_only) return Error{fmt::format("{}: holds no keyframe", request.map)};
     log::warning("{}: holds no keyframe; the run starts from nothing", request.map);

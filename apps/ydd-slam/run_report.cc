@@ -7,6 +7,7 @@
 
 #include "moment_files.h"
 #include "ydd/base/files.h"
+#include "ydd/base/json_reader.h"
 #include "ydd/base/log.h"
 #include "ydd/evaluation/html_report.h"
 
@@ -23,9 +24,11 @@ std::string text_of(const fs::path& file) {
 
 /// A text of the summary; nothing where it does not tell it.
 std::optional<std::string> told(const std::string& summary, const char* key) {
-  const auto json = nlohmann::json::parse(summary, nullptr, false);
-  if (!json.is_object() || !json.contains(key) || !json[key].is_string()) return std::nullopt;
-  return json[key].get<std::string>();
+  const auto json = parse_json(summary, "summary.json");
+  if (!json || !json->is_object() || !json->contains(key) || !json->at(key).is_string()) {
+    return std::nullopt;
+  }
+  return json->at(key).get<std::string>();
 }
 
 }  // namespace

@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "ydd/base/log.h"
 #include "ydd/detection/class_table.h"
 #include "ydd/detection/detector_config.h"
+#include "ydd/detection/person_check.h"
 #include "ydd/detection/yolo_detector.h"
 
 namespace ydd {
@@ -63,14 +65,18 @@ Result<void> check_named_classes(const NetworkConfig& network,
 }
 
 std::vector<YoloClass> classes_of(const NetworkConfig& network,
-                                  const std::vector<std::string>& table) {
+                                  const std::vector<std::string>& table,
+                                  const ObjectCatalogue& catalogue) {
   const auto& keep = network.keep;
   std::vector<YoloClass> classes;
   for (const std::string& name : table) {
     YoloClass entry;
     const bool wanted = keep.empty() || std::find(keep.begin(), keep.end(), name) != keep.end();
     const auto renamed = network.rename.find(name);
-    if (wanted) entry.name = renamed == network.rename.end() ? name : renamed->second;
+    if (wanted) {
+      entry.name =
+          name_in_rules(renamed == network.rename.end() ? name : renamed->second, catalogue);
+    }
     const auto own = network.class_thresholds.find(name);
     entry.score_threshold = static_cast<float>(
         own == network.class_thresholds.end() ? network.score_threshold : own->second);
@@ -88,7 +94,7 @@ Result<std::vector<YoloClass>> read_classes(const NetworkConfig& network,
   if (auto named = check_named_classes(network, *table, config.file.string()); !named) {
     return named.error();
   }
-  std::vector<YoloClass> classes = classes_of(network, *table);
+  std::vector<YoloClass> classes = classes_of(network, *table, catalogue);
   const bool any_known = std::any_of(classes.begin(), classes.end(),
                                      [&](const YoloClass& c) { return catalogue.knows(c.name); });
   if (!any_known) {
@@ -114,15 +120,13 @@ YoloSettings settings_of(const NetworkConfig& network, std::vector<YoloClass> cl
 
 Result<std::unique_ptr<Detector>> make_one(const NetworkConfig& network,
                                            const DetectorConfig& config,
-                                           const ObjectCatalogue& catalogue) {
-  auto classes = read_classes(network, config, catalogue);
-  if (!classes) return classes.error();
+                                           std::vector<YoloClass> classes) {
   const auto model = find_model(network, config);
   if (!model) return model.error();
   auto session = load_network(*model, network.inference);
   if (!session) return session.error();
-  auto detector = YoloDetector::make(std::move(session).value(),
-                                     settings_of(network, std::move(classes).value()));
+  auto detector =
+      YoloDetector::make(std::move(session).value(), settings_of(network, std::move(classes)));
   if (!detector) {
     return Error{fmt::format("{}: {}", model->string(), detector.error().message)};
   }
@@ -134,10 +138,17 @@ Result<std::unique_ptr<Detector>> make_one(const NetworkConfig& network,
 Result<std::unique_ptr<Detector>> make_detector(const DetectorConfig& config,
                                                 const ObjectCatalogue& catalogue) {
   std::vector<std::unique_ptr<Detector>> detectors;
+  std::vector<std::string> names;
   for (const NetworkConfig& network : config.networks) {
-    auto detector = make_one(network, config, catalogue);
+    auto classes = read_classes(network, config, catalogue);
+    if (!classes) return classes.error();
+    for (const YoloClass& entry : *classes) names.push_back(entry.name);
+    auto detector = make_one(network, config, std::move(classes).value());
     if (!detector) return detector.error();
     detectors.push_back(std::move(detector).value());
+  }
+  if (const auto nobody = nobody_warning(names, catalogue, config.file.string())) {
+    log::warning("{}", *nobody);
   }
   return std::unique_ptr<Detector>(
       std::make_unique<CombinedDetector>(std::move(detectors), config.merge));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/detection/object_catalogue.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <utility>
 #include <vector>
 
@@ -34,23 +36,26 @@ constexpr std::array<NamedExtent, 7> kExtents = {{{"head", &DepthExtents::head_m
 using ClassNames = std::vector<std::string_view>;
 std::array<ClassNames, kSubcategoryCount> default_names() {
   return {{
-      {"person", "body"},
-      {"head", "face"},
-      {"hand"},
+      {"person", "body", "pedestrian", "human", "people", "man", "woman", "child", "boy", "girl",
+       "rider", "worker"},
+      {"head", "face", "human head", "human face"},
+      {"hand", "human hand", "left hand", "right hand", "fist"},
       {"fan", "robot", "cat", "dog", "bird", "horse", "sheep", "cow", "elephant", "bear", "zebra",
        "giraffe"},
-      {"cup",     "mug",         "bottle",         "wine glass", "bowl",    "fork",
-       "knife",   "spoon",       "book",           "mouse",      "remote",  "cell phone",
-       "phone",   "scissors",    "hair drier",     "toothbrush", "tie",     "banana",
-       "apple",   "orange",      "sandwich",       "carrot",     "hot dog", "donut",
-       "frisbee", "sports ball", "baseball glove", "glasses",    "pen"},
+      {"cup",     "mug",          "bottle",    "wine glass",  "bowl",           "fork",
+       "knife",   "spoon",        "book",      "mouse",       "remote",         "cell phone",
+       "phone",   "mobile phone", "cellphone", "scissors",    "hair drier",     "toothbrush",
+       "tie",     "banana",       "apple",     "orange",      "sandwich",       "carrot",
+       "hot dog", "donut",        "frisbee",   "sports ball", "baseball glove", "glasses",
+       "pen"},
       {"keyboard", "laptop", "backpack", "handbag", "umbrella", "teddy bear", "vase", "toaster",
        "cake", "pizza", "broccoli", "skateboard", "tennis racket", "baseball bat", "kite", "bag",
        "box"},
       {"chair", "tv", "monitor", "suitcase", "microwave", "snowboard", "skis", "surfboard",
-       "bicycle", "potted plant", "stool", "trolley"},
-      {"desk", "dining table", "table", "couch", "bed", "toilet", "oven", "sink", "refrigerator",
-       "bench", "clock", "lamp", "shelf", "plant", "poster", "door", "window", "wall", "floor"},
+       "bicycle", "potted plant", "television", "tvmonitor", "pottedplant", "stool", "trolley"},
+      {"desk",   "dining table", "diningtable", "sofa",         "table",  "couch", "bed",
+       "toilet", "oven",         "sink",        "refrigerator", "bench",  "clock", "lamp",
+       "shelf",  "plant",        "poster",      "door",         "window", "wall",  "floor"},
   }};
 }
 
@@ -116,7 +121,7 @@ Result<std::pair<std::string, std::optional<double>>> parse_class(const YAML::No
   return out;
 }
 
-using Classes = std::map<std::string, ObjectClass, std::less<>>;
+using Classes = std::map<std::string, ObjectClass, ClassNameLess>;
 
 Result<void> add_classes(const YAML::Node& list, Subcategory subcategory, const std::string& source,
                          Classes& classes) {
@@ -182,7 +187,17 @@ Result<ObjectCatalogue> parse_catalogue(const YAML::Node& root, const std::strin
   return ObjectCatalogue(*extents, std::move(*classes));
 }
 
+char folded(char c) {
+  if (c == '_' || c == '-') return ' ';
+  return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
+
 }  // namespace
+
+bool ClassNameLess::operator()(std::string_view a, std::string_view b) const {
+  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(),
+                                      [](char x, char y) { return folded(x) < folded(y); });
+}
 
 Category category_of(Subcategory subcategory) {
   switch (subcategory) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -41,6 +40,13 @@ struct DepthExtents {
   friend bool operator==(const DepthExtents&, const DepthExtents&) = default;
 };
 
+/// Order of class names in which neither case nor '_' and '-' for a blank make a difference:
+/// "Cell_Phone" is "cell phone".
+struct ClassNameLess {
+  using is_transparent = void;
+  bool operator()(std::string_view a, std::string_view b) const;
+};
+
 /// What the catalogue knows of one class.
 struct ObjectClass {
   Subcategory subcategory = Subcategory::stationary;
@@ -49,7 +55,7 @@ struct ObjectClass {
 };
 
 /// The table from class names to the subcategories of the method. A value; a class that is not in
-/// it is static.
+/// it is static. Names match as ClassNameLess has it.
 ///
 /// The file, here with one class that has an extent of its own:
 ///
@@ -63,7 +69,7 @@ class ObjectCatalogue {
  public:
   ObjectCatalogue() = default;
   ObjectCatalogue(const DepthExtents& extents,
-                  std::map<std::string, ObjectClass, std::less<>> classes)
+                  std::map<std::string, ObjectClass, ClassNameLess> classes)
       : extents_(extents), classes_(std::move(classes)) {}
 
   /// The built-in table: COCO names, head, hand, and a few more; the same as configs/objects.yaml.
@@ -83,13 +89,13 @@ class ObjectCatalogue {
   double extent_m(std::string_view class_name) const;
   const DepthExtents& extents() const { return extents_; }
   /// By class name.
-  const std::map<std::string, ObjectClass, std::less<>>& classes() const { return classes_; }
+  const std::map<std::string, ObjectClass, ClassNameLess>& classes() const { return classes_; }
 
   friend bool operator==(const ObjectCatalogue&, const ObjectCatalogue&) = default;
 
  private:
   DepthExtents extents_;
-  std::map<std::string, ObjectClass, std::less<>> classes_;
+  std::map<std::string, ObjectClass, ClassNameLess> classes_;
 };
 
 }  // namespace ydd

@@ -142,5 +142,20 @@ TEST(ObjectCatalogue, AMissingFileIsNamed) {
   EXPECT_THAT(catalogue.error().message, HasSubstr("no/such/objects.yaml"));
 }
 
+TEST(ObjectCatalogue, NamesMatchInAnyCaseAndWithAnyBlank) {
+  const ObjectCatalogue catalogue = ObjectCatalogue::defaults();
+  for (const char* const name : {"Person", "PERSON", "pedestrian", "Human", "man"}) {
+    EXPECT_EQ(catalogue.subcategory_of(name), Subcategory::person) << name;
+  }
+  EXPECT_EQ(catalogue.subcategory_of("Cell_Phone"), Subcategory::small);
+  EXPECT_EQ(catalogue.subcategory_of("DINING-table"), Subcategory::stationary);
+  EXPECT_TRUE(catalogue.knows("DINING-table"));
+  EXPECT_FALSE(catalogue.knows("persona"));
+  EXPECT_EQ(catalogue.extent_m("Person"), catalogue.extent_m("person"));
+  const auto twice = ObjectCatalogue::parse("classes: {person: [a b, A_B]}", "o.yaml");
+  ASSERT_FALSE(twice);
+  EXPECT_NE(twice.error().message.find("class 'A_B' is named twice"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace ydd

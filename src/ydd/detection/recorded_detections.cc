@@ -2,21 +2,27 @@
 #include "ydd/detection/recorded_detections.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "ydd/base/files.h"
+#include "ydd/base/json_reader.h"
 #include "ydd/detection/boxes.h"
 
 namespace ydd {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
+
+constexpr double kFarthest_px = 1e5;
 
 /// A record that lacks something; turned into an Error with the line in front of it.
 struct Malformed {
@@ -50,6 +56,11 @@ template <class T>
 std::optional<T> optional_member(const Json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end() || found->is_null()) return std::nullopt;
+  if constexpr (std::is_same_v<T, std::int64_t>) {
+    if (!found->is_number_integer()) {
+      throw Malformed{fmt::format("'{}' must be a whole number", key)};
+    }
+  }
   return found->get<T>();
 }
 
@@ -66,11 +77,16 @@ Box parse_box(const Json& value) {
   if (!value.is_array() || value.size() != 4) {
     throw Malformed{"'box' must be four numbers [x0, y0, x1, y1]"};
   }
-  const Box box{value[0].get<float>(), value[1].get<float>(), value[2].get<float>(),
-                value[3].get<float>()};
-  const bool finite = std::isfinite(box.x0) && std::isfinite(box.y0) && std::isfinite(box.x1) &&
-                      std::isfinite(box.y1);
-  if (!finite || box.x1 < box.x0 || box.y1 < box.y0) {
+  std::array<float, 4> c{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double coordinate = value[i].get<double>();
+    if (!(std::abs(coordinate) <= kFarthest_px)) {
+      throw Malformed{fmt::format("'box' holds {}, which cannot be a pixel", coordinate)};
+    }
+    c[i] = static_cast<float>(coordinate);
+  }
+  const Box box{c[0], c[1], c[2], c[3]};
+  if (box.x1 < box.x0 || box.y1 < box.y0) {
     throw Malformed{fmt::format("'box' [{}, {}, {}, {}] must have x0 <= x1 and y0 <= y1", box.x0,
                                 box.y0, box.x1, box.y1)};
   }
@@ -109,6 +125,23 @@ RecordedFrame parse_frame(const Json& object) {
   return out;
 }
 
+/// The first box when all lie within the first pixel and not one is of whole numbers: they are
+/// fractions of the picture, as trainers write them.
+const Box* fraction_box(const std::vector<RecordedFrame>& frames) {
+  const Box* first = nullptr;
+  for (const RecordedFrame& frame : frames) {
+    for (const RecordedDetection& d : frame.detections) {
+      const Box& b = d.detection.box;
+      const auto is_whole = [](float v) { return v == std::floor(v); };
+      const bool in_first_pixel = b.x0 >= 0 && b.y0 >= 0 && b.x1 <= 1 && b.y1 <= 1;
+      if (!in_first_pixel) return nullptr;
+      const bool is_pixel = is_whole(b.x0) && is_whole(b.y0) && is_whole(b.x1) && is_whole(b.y1);
+      if (first == nullptr && !is_pixel) first = &b;
+    }
+  }
+  return first;
+}
+
 /// The stamp that two frames share, if any. `frames` in the order of time.
 std::optional<Timestamp> duplicate_stamp(const std::vector<RecordedFrame>& frames) {
   const auto found = std::adjacent_find(
@@ -133,12 +166,12 @@ std::string to_json_line(const RecordedFrame& frame) {
 }
 
 Result<RecordedFrame> parse_recorded_frame(std::string_view line, std::string_view source) {
+  const Result<Json> json = parse_json(line, source);
+  if (!json) return json.error();
   try {
-    return parse_frame(Json::parse(line));
+    return parse_frame(*json);
   } catch (const Malformed& e) {
     return Error{fmt::format("{}: {}", source, e.message)};
-  } catch (const Json::parse_error& e) {
-    return Error{fmt::format("{}: not valid JSON at character {}", source, e.byte)};
   } catch (const Json::exception& e) {
     // "[json.exception.type_error.302] type must be string, but is number": the tail is readable.
     const std::string_view what = e.what();
@@ -180,7 +213,21 @@ Result<DetectionRecording> DetectionRecording::read(const std::filesystem::path&
     return Error{
         fmt::format("{}: holds no frames; 'ydd-slam detect' writes such a file", file.string())};
   }
+  if (const Box* const box = fraction_box(frames)) {
+    return Error{fmt::format(
+        "{}: all boxes lie between 0 and 1, as [{}, {}, {}, {}]: fractions of the picture; give "
+        "pixels (x times its width, y times its height)",
+        file.string(), box->x0, box->y0, box->x1, box->y1)};
+  }
   return DetectionRecording(std::move(frames));
+}
+
+std::vector<std::string> DetectionRecording::class_names() const {
+  std::set<std::string> names;
+  for (const RecordedFrame& frame : frames_) {
+    for (const RecordedDetection& d : frame.detections) names.insert(d.detection.class_name);
+  }
+  return {names.begin(), names.end()};
 }
 
 DetectionRecording::DetectionRecording(std::vector<RecordedFrame> frames)
@@ -229,12 +276,25 @@ Result<Detections> RecordedDetector::detect(const RgbdFrame& frame) {
         "'ydd-slam detect'",
         name_, frame.index, format_timestamp(frame.stamp), options_.tolerance_s)};
   }
+  const auto size = [](int colour, int grey) { return static_cast<float>(colour ? colour : grey); };
+  const float width_px = size(frame.colour.width(), frame.grey.width());
+  const float height_px = size(frame.colour.height(), frame.grey.height());
   Detections out;
   out.reserve(recorded->detections.size());
-  for (const RecordedDetection& d : recorded->detections) out.push_back(d.detection);
-  const auto size = [](int colour, int grey) { return static_cast<float>(colour ? colour : grey); };
-  return sorted_by_score(clipped(std::move(out), size(frame.colour.width(), frame.grey.width()),
-                                 size(frame.colour.height(), frame.grey.height())));
+  for (const RecordedDetection& d : recorded->detections) {
+    const Box& b = d.detection.box;
+    if (b.x0 < -0.5F * width_px || b.y0 < -0.5F * height_px || b.x1 > 1.5F * width_px ||
+        b.y1 > 1.5F * height_px) {
+      return Error{
+          fmt::format("{}: box [{}, {}, {}, {}] of '{}' at {} reaches far beyond the picture of {} "
+                      "x {}; was it "
+                      "recorded with pictures of another size?",
+                      name_, b.x0, b.y0, b.x1, b.y1, d.detection.class_name,
+                      format_timestamp(frame.stamp), width_px, height_px)};
+    }
+    out.push_back(d.detection);
+  }
+  return sorted_by_score(clipped(std::move(out), width_px, height_px));
 }
 
 }  // namespace ydd

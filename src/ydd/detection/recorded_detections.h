@@ -56,8 +56,9 @@ Result<void> write_recorded_detections(const std::filesystem::path& file,
 /// The detections of a sequence, to be found by time or by frame.
 class DetectionRecording {
  public:
-  /// Fails on the first line that cannot be understood, on two lines with the same time stamp and
-  /// on a file without frames; empty lines are skipped.
+  /// Fails on the first line that cannot be understood, on two lines with the same time stamp, on a
+  /// file without frames and on one whose boxes are all fractions of the picture; empty lines are
+  /// skipped.
   static Result<DetectionRecording> read(const std::filesystem::path& file);
 
   /// `frames` in any order. @throws std::logic_error when two have the same stamp.
@@ -69,6 +70,8 @@ class DetectionRecording {
   /// The first frame with this `index`, or null.
   const RecordedFrame* find_index(std::int64_t index) const;
 
+  /// The classes that occur, in alphabetical order.
+  std::vector<std::string> class_names() const;
   /// In the order of time.
   const std::vector<RecordedFrame>& frames() const { return frames_; }
 
@@ -88,7 +91,8 @@ class RecordedDetector : public Detector {
   RecordedDetector(DetectionRecording recording, std::string name,
                    RecordedDetectorOptions options = {});
 
-  /// The recorded boxes cut to the frame; those outside it are left out.
+  /// The recorded boxes cut to the frame; those outside it are left out. A box that reaches more
+  /// than half a picture beyond it is an error: it was recorded with pictures of another size.
   Result<Detections> detect(const RgbdFrame& frame) override;
 
  private:

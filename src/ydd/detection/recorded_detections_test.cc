@@ -140,6 +140,34 @@ TEST_F(RecordedDetectionsFile, ErrorsNameFileAndLine) {
   EXPECT_THAT(in_line_2(kGood), HasSubstr("was recorded in line 1"));
 }
 
+TEST_F(RecordedDetectionsFile, BoxesThatAreFractionsOfThePictureAreRefused) {
+  const auto line = [](int second, const std::string& box) {
+    return fmt::format(R"({{"timestamp": "{}", "detections": [{{"cls": "cup", "box": {}}}]}})",
+                       second, box) +
+           "\n";
+  };
+  const std::string fractions = line(1, "[0, 0, 1, 1]") + line(2, "[0.1, 0.25, 0.5, 1.0]");
+  EXPECT_THAT(error_of(fractions), HasSubstr("as [0.1, 0.25, 0.5, 1]: fractions of the picture"));
+  // One box in pixels tells that all are, and whole numbers may be.
+  EXPECT_EQ(error_of(fractions + line(3, "[0, 0, 30, 40]")), "no error");
+  EXPECT_EQ(error_of(line(1, "[0, 0, 1, 1]")), "no error");
+  EXPECT_EQ(error_of(std::string(kGood)), "no error");
+}
+
+TEST_F(RecordedDetectionsFile, LinesOfOthersCannotBringItDown) {
+  const std::string deep(1'000'000, '[');
+  EXPECT_THAT(error_of(deep), HasSubstr("detections.jsonl:1: JSON nested in more than 64 levels"));
+  EXPECT_THAT(error_of(R"({"timestamp": "1", "detections": [], "x": )" + deep),
+              HasSubstr("nested"));
+  EXPECT_THAT(error_of(R"({"timestamp": "1", "frame": 1e300, "detections": []})"),
+              HasSubstr("'frame' must be a whole number"));
+  for (const char* const number : {"1e39", "-1e6", "1e300"}) {
+    EXPECT_THAT(error_of(R"({"timestamp": "1", "detections": [{"cls": "a", "box": [0, 0, 1, )" +
+                         std::string(number) + "]}]}"),
+                HasSubstr("detections.jsonl:1: 'box' holds"));
+  }
+}
+
 TEST_F(RecordedDetectionsFile, AMissingOrEmptyFileIsAnError) {
   const auto missing = DetectionRecording::read(path());
   ASSERT_FALSE(missing.ok());
@@ -186,6 +214,15 @@ TEST(RecordedDetector, GivesBoxesInsideTheFrameByFallingScore) {
   EXPECT_EQ((*found)[0].class_name, "head");
   EXPECT_EQ((*found)[0].box, (Box{60, 40, 64, 48}));
   EXPECT_EQ((*found)[1].box, (Box{0, 0, 10, 10}));
+}
+
+TEST(RecordedDetector, BoxesOfLargerPicturesAreAnError) {
+  for (const Box& box : {Box{0, 0, 97, 48}, Box{-33, 0, 9, 9}, Box{0, 0, 9, 73}}) {
+    RecordedDetector detector(DetectionRecording({frame_at(1, {{"cup", 0.2F, box}})}), "d.jsonl");
+    const auto found = detector.detect(picture_at(1, 64, 48));
+    ASSERT_FALSE(found.ok());
+    EXPECT_THAT(found.error().message, HasSubstr("reaches far beyond the picture of 64 x 48"));
+  }
 }
 
 TEST(RecordedDetector, AFrameThatWasNotRecordedIsAnErrorUnlessAllowed) {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "ydd/base/json_reader.h"
 #include "ydd/base/version.h"
 #include "ydd/evaluation/report_html.h"
 
@@ -75,7 +76,7 @@ void add_evaluation(const std::optional<Evaluation>& evaluation, Json& json) {
   json["pairs"] = Json::array();
   json["ate_m"] = Json::array();
   if (!evaluation) return;
-  json["evaluation"] = Json::parse(format_json(*evaluation));
+  json["evaluation"] = parse_json(format_json(*evaluation), "evaluation").value();
   for (const IndexPair& pair : evaluation->ate.pairs) json["pairs"].push_back({pair.a, pair.b});
   json["ate_m"] = rounded(evaluation->ate.errors_m);
   json["rpe"] = {{"first", evaluation->rpe.first_poses},
@@ -89,8 +90,13 @@ Result<Json> run_json(const RunReportData& data, const Alignment& to_world) {
   const std::pair<const char*, const std::string&> texts[] = {
       {"summary", data.summary_json}, {"frames", data.frames_json}, {"timings", data.timings_json}};
   for (const auto& [name, text] : texts) {
-    json[name] = text.empty() ? Json() : Json::parse(text, nullptr, false);
-    if (json[name].is_discarded()) return Error{fmt::format("{} of the run: not JSON", name)};
+    if (text.empty()) {
+      json[name] = nullptr;
+      continue;
+    }
+    Result<Json> read = parse_json(text, fmt::format("{} of the run", name));
+    if (!read) return read.error();
+    json[name] = *std::move(read);
   }
   if (json["timings"].is_object()) json["timings"].erase("series");  // the frames hold them
   json["trajectory"] = poses_json(data.trajectory, to_world);

@@ -150,7 +150,7 @@ TEST(ComparisonReport, NamesTheRunThatIsBroken) {
   runs[1].frames_json = "[";
   const auto html = comparison_report("x", truth, runs);
   ASSERT_FALSE(html);
-  EXPECT_EQ(html.error().message, "peer: frames of the run: not JSON");
+  EXPECT_EQ(html.error().message, "peer: frames of the run: not valid JSON at character 2");
 }
 
 TEST(HtmlReport, BrokenJsonIsNamed) {
@@ -158,7 +158,10 @@ TEST(HtmlReport, BrokenJsonIsNamed) {
   data.timings_json = "{\"unit\": ";
   const auto html = html_report(data);
   ASSERT_FALSE(html);
-  EXPECT_EQ(html.error().message, "timings of the run: not JSON");
+  EXPECT_EQ(html.error().message, "timings of the run: not valid JSON at character 10");
+  data.timings_json = "[" + std::string(1'000'000, '[') + std::string(1'000'000, ']') + "]";
+  EXPECT_EQ(html_report(data).error().message,
+            "timings of the run: JSON nested in more than 64 levels");
 }
 
 }  // namespace

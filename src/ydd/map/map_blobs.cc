@@ -87,11 +87,11 @@ Camera decode_camera(std::string_view bytes) {
        {&c.fx_px, &c.fy_px, &c.cx_px, &c.cy_px, &c.k1, &c.k2, &c.p1, &c.p2, &c.k3, &c.depth_scale,
         &c.min_depth_m, &c.max_depth_m, &c.fps, &c.baseline_m}) {
     *value = in.f64();
-    if (!std::isfinite(*value)) throw Fault("a camera that cannot be");
   }
   in.expect_end();
-  if (c.width_px == 0 || c.height_px == 0 || !(c.fx_px > 0) || !(c.fy_px > 0)) {
-    throw Fault("a camera that cannot be");
+  // The same bounds as for a camera from a file.
+  if (auto checked = check_camera(c); !checked) {
+    throw Fault("a camera that cannot be: " + checked.error().message);
   }
   return c;
 }

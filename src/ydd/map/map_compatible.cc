@@ -1,34 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+
 #include <fmt/format.h>
 
 #include "ydd/map/map_file.h"
 
 namespace ydd {
 
-Result<void> check_same_camera(const Camera& of_map, const Camera& camera) {
-  const struct {
-    const char* name;
-    double a, b;
-  } values[] = {
-      {"width", static_cast<double>(of_map.width_px), static_cast<double>(camera.width_px)},
-      {"height", static_cast<double>(of_map.height_px), static_cast<double>(camera.height_px)},
-      {"fx", of_map.fx_px, camera.fx_px},
-      {"fy", of_map.fy_px, camera.fy_px},
-      {"cx", of_map.cx_px, camera.cx_px},
-      {"cy", of_map.cy_px, camera.cy_px},
-      {"k1", of_map.k1, camera.k1},
-      {"k2", of_map.k2, camera.k2},
-      {"p1", of_map.p1, camera.p1},
-      {"p2", of_map.p2, camera.p2},
-      {"k3", of_map.k3, camera.k3},
-      {"baseline", of_map.baseline_m, camera.baseline_m}};
-  for (const auto& value : values) {
-    if (value.a != value.b) {
-      return Error{
-          fmt::format("made with another camera: {} is {} in the map and {} now; give the "
-                      "map's camera with --camera",
-                      value.name, value.a, value.b)};
+double camera_difference_px(const Camera& a, const Camera& b) {
+  constexpr int kSteps = 16;
+  double largest_px = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int j = 0; j <= kSteps; ++j) {
+      const Eigen::Vector2d pixel(static_cast<double>(i) * a.width_px / kSteps,
+                                  static_cast<double>(j) * a.height_px / kSteps);
+      const Eigen::Vector3d ray = a.unproject(a.undistort(pixel), 1.0);
+      const double moved_px = (b.distort(b.project(ray)) - pixel).norm();
+      // Not a number where a lens model folds over: no difference that could be told.
+      if (!std::isfinite(moved_px)) return HUGE_VAL;
+      largest_px = std::max(largest_px, moved_px);
     }
+  }
+  return largest_px;
+}
+
+Result<void> check_same_camera(const Camera& of_map, const Camera& camera) {
+  const auto another = [](const std::string& how) {
+    return Error{
+        fmt::format("made with another camera: {}; give the map's camera with --camera", how)};
+  };
+  for (const auto& [name, a, b] : {std::tuple{"width", of_map.width_px, camera.width_px},
+                                   std::tuple{"height", of_map.height_px, camera.height_px}}) {
+    if (a != b) return another(fmt::format("{} is {} in the map and {} now", name, a, b));
+  }
+  const double difference_px = camera_difference_px(of_map, camera);
+  const double allowed_px = kCameraTolerance * of_map.width_px;
+  if (!(difference_px <= allowed_px)) {
+    return another(
+        fmt::format("fx is {} in the map and {} now, fy {} and {}, cx {} and {}, cy {} and {}; "
+                    "pixels differ by "
+                    "up to {:.1f} px, at most {:.1f} px may",
+                    of_map.fx_px, camera.fx_px, of_map.fy_px, camera.fy_px, of_map.cx_px,
+                    camera.cx_px, of_map.cy_px, camera.cy_px, difference_px, allowed_px));
+  }
+  constexpr double kBaselineTolerance = 0.01;
+  if (std::abs(of_map.baseline_m - camera.baseline_m) > kBaselineTolerance * of_map.baseline_m) {
+    return another(
+        fmt::format("baseline is {} in the map and {} now", of_map.baseline_m, camera.baseline_m));
   }
   return {};
 }

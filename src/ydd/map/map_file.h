@@ -59,8 +59,18 @@ class MapWriter {
 /// Saves once.
 Result<void> save_map(const Atlas& atlas, const std::filesystem::path& file);
 
-/// Whether what `camera` sees can be put into a map made with `of_map`: same size, calibration and
-/// virtual baseline. Failure: the values that differ.
+/// How far two cameras with pictures of one size are apart: the farthest, over the picture, that a
+/// pixel of `a` lies from where `b` sees its ray, px.
+double camera_difference_px(const Camera& a, const Camera& b);
+
+/// Largest difference of two cameras that may share a map, as a share of the picture's width: 4 px
+/// of 640, which a focal length of 1 % more gives in the corners. Calibrating a camera again moves
+/// it less.
+inline constexpr double kCameraTolerance = 4.0 / 640;
+
+/// Whether what `camera` sees can be put into a map made with `of_map`: pictures of one size, rays
+/// that differ by at most kCameraTolerance, a virtual baseline within 1 %. Failure: how they
+/// differ.
 Result<void> check_same_camera(const Camera& of_map, const Camera& camera);
 /// The same for the extractor's pyramid.
 Result<void> check_same_scales(const PyramidScales& of_map, const PyramidScales& scales);

@@ -22,6 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 namespace tw = testing_world;
+using testing::AllOf;
 using testing::HasSubstr;
 
 /// Six views of a small world with everything in it that a file must bring back: a culled keyframe,
@@ -301,15 +302,43 @@ TEST_F(MapFileTest, RowsThatDoNotBelongTogetherAreRefused) {
   }
 }
 
+TEST_F(MapFileTest, ACameraCalibratedAgainMayUseTheMap) {
+  const auto fits = [](double Camera::*value, double change) {
+    Camera again;
+    again.*value += change;
+    return check_same_camera(Camera(), again).ok();
+  };
+  EXPECT_TRUE(fits(&Camera::fx_px, 5));
+  EXPECT_FALSE(fits(&Camera::fx_px, 8));
+  EXPECT_TRUE(fits(&Camera::cy_px, -3.9));
+  EXPECT_FALSE(fits(&Camera::cy_px, -4.1));
+  EXPECT_TRUE(fits(&Camera::k1, 0.01));
+  EXPECT_FALSE(fits(&Camera::k1, 0.05));
+  EXPECT_FALSE(fits(&Camera::k3, -50));
+  EXPECT_TRUE(fits(&Camera::baseline_m, 0.001));
+  // Values that cancel out are judged by what they do together.
+  Camera lens;
+  lens.k1 = 0.02;
+  lens.k2 = -0.06;
+  EXPECT_NEAR(camera_difference_px(Camera(), Camera()), 0, 1e-9);
+  EXPECT_LT(camera_difference_px(Camera(), lens), 4);
+}
+
 TEST_F(MapFileTest, AnotherCameraOrPyramidIsNamed) {
   Camera other;
   other.fx_px = 517.3;
   EXPECT_THAT(check_same_camera(Camera(), other).error().message,
-              HasSubstr("fx is 525 in the map and 517.3 now"));
+              AllOf(HasSubstr("fx is 525 in the map and 517.3 now"), HasSubstr("at most 4.0 px")));
   Camera noisy;
   noisy.max_depth_m = 4;
   noisy.name = "same lens";
   EXPECT_TRUE(check_same_camera(Camera(), noisy).ok());
+  Camera wide;
+  wide.width_px = 848;
+  EXPECT_THAT(check_same_camera(Camera(), wide).error().message, HasSubstr("width is 640"));
+  Camera apart;
+  apart.baseline_m *= 1.02;
+  EXPECT_THAT(check_same_camera(Camera(), apart).error().message, HasSubstr("baseline is 0.15"));
   EXPECT_TRUE(check_same_scales(PyramidScales::make(8, 1.2), PyramidScales::make(8, 1.2)).ok());
   EXPECT_THAT(
       check_same_scales(PyramidScales::make(8, 1.2), PyramidScales::make(6, 1.2)).error().message,

@@ -11,6 +11,19 @@
 namespace ydd {
 namespace {
 
+/// The run's camera with the lens of the map that it goes on in: new and old observations have one
+/// calibration, and what check_same_camera lets pass stays an error of a few pixels.
+Camera with_lens_of(Camera camera, const std::optional<Atlas>& map) {
+  if (!map) return camera;
+  Camera out = map->camera();
+  out.name = camera.name;
+  out.depth_scale = camera.depth_scale;
+  out.min_depth_m = camera.min_depth_m;
+  out.max_depth_m = camera.max_depth_m;
+  out.fps = camera.fps;
+  return out;
+}
+
 /// The map to start with: the given one, or an empty one.
 Atlas initial_atlas(const Camera& camera, const SystemOptions& options, std::optional<Atlas> map) {
   const PyramidScales scales = PyramidScales::make(options.orb.levels, options.orb.scale_step);
@@ -42,7 +55,7 @@ DetectOptions detect_options(const SystemOptions& options) {
 SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
                        ObjectCatalogue catalogue, std::unique_ptr<Detector> detector,
                        std::optional<Atlas> map)
-    : camera_(camera),
+    : camera_(with_lens_of(camera, map)),
       options_(options),
       extractor_(options.orb),
       judge_(options.dynamics, std::move(catalogue)),
