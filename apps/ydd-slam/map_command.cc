@@ -58,6 +58,8 @@ void add_merge(CLI::App& parent, Job& job) {
   command->add_option("first", request->first, "Map file whose world stays")->required();
   command->add_option("second", request->second, "Map file that is added")->required();
   command->add_option("--out", request->out, "Map file to write")->required();
+  command->add_flag("--replace-map", request->replace_map,
+                    "Let it replace a map that holds more than the new one");
   command->add_option("--config", request->config, "YAML file with options (loop, mapping)");
   command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
   command->callback([request, &job] { job = [request] { return map_merge(*request); }; });

@@ -110,7 +110,10 @@ Result<void> map_merge(const MapMergeRequest& request) {
     return Error{
         fmt::format("{} and {}: {}", request.first, request.second, merged.error().message)};
   }
-  if (auto r = save_map(merged->atlas, request.out); !r) return r;
+  if (auto r = save_map(merged->atlas, request.out,
+                        request.replace_map ? Replacing::anything : Replacing::lesser);
+      !r)
+    return r;
   for (const Weld& weld : merged->welds) {
     fmt::print("welded map {} onto map {} ({} points agree)\n", weld.map.slot, weld.into.slot,
                weld.points);

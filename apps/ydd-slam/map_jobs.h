@@ -25,6 +25,7 @@ struct MapExportRequest {
 struct MapMergeRequest {
   std::string first, second, out, config;
   std::vector<std::string> set;
+  bool replace_map = false;  ///< at `out`, even by a lesser map
 };
 
 Result<void> map_info(const MapInfoRequest& request);

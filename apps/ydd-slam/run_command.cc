@@ -53,6 +53,10 @@ void add_map_options(CLI::App& command, RunRequest& request) {
   auto* save = command.add_option("--save-map", request.save_map,
                                   "Map file to write, every few seconds and at the end");
   command
+      .add_flag("--replace-map", request.replace_map,
+                "Let --save-map replace a map that holds more than the new one")
+      ->needs(save);
+  command
       .add_flag("--localization-only", request.localization_only,
                 "Use the map of --map without changing it")
       ->needs(map)

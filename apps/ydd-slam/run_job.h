@@ -41,6 +41,7 @@ struct RunRequest {
   std::string video;               ///< file for a video of annotated frames; empty: none
   std::string map;                 ///< file to go on with; empty: none
   std::string save_map;            ///< file to save to; empty: none
+  bool replace_map = false;        ///< even by a lesser map
   bool localization_only = false;  ///< use the map, do not change it
   std::string dynamic;
   std::string trajectory_format = "tum";

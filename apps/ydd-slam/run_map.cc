@@ -34,7 +34,10 @@ Result<std::optional<Atlas>> open_run_map(const RunRequest& request, const Camer
 
 Result<void> prepare_run_map(const RunRequest& request, SlamSystem& system) {
   system.set_localization_only(request.localization_only);
-  return request.save_map.empty() ? Result<void>() : system.autosave_to(request.save_map);
+  return request.save_map.empty()
+             ? Result<void>()
+             : system.autosave_to(request.save_map,
+                                  request.replace_map ? Replacing::anything : Replacing::lesser);
 }
 
 Result<void> save_run_map(const RunRequest& request, SlamSystem& system) {

@@ -3,12 +3,21 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <system_error>
+
 #include <fmt/format.h>
 
 #include "ydd/map/map_bytes.h"
 
 namespace ydd::map_format {
 namespace {
+
+/// Steps of SQLite's machine that reading a map can need: a few for each row and page. Whatever
+/// takes more was made to take for ever.
+constexpr std::int64_t kStepsPerByte = 20;
+constexpr std::int64_t kStepsOfAnyMap = 20'000'000;
+constexpr int kStepsPerCall = 10'000;
 
 constexpr int kPatience_ms = 10'000;  // for a reader to let the writer commit, and vice versa
 
@@ -79,6 +88,33 @@ std::uint64_t checksum_of(const TableShape& table, const Row& row) {
 void Database::Close::operator()(sqlite3* connection) const { sqlite3_close_v2(connection); }
 void Database::Close::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
+int Database::count_steps(void* steps_left) {
+  auto& left = *static_cast<std::int64_t*>(steps_left);
+  left -= kStepsPerCall;
+  return left < 0 ? 1 : 0;
+}
+
+/// A file of others is read with these on: nothing in it is followed, and none of its rows can be
+/// larger than the file.
+void Database::distrust(const std::filesystem::path& file) {
+  std::error_code unknown;
+  const std::uintmax_t told = std::filesystem::file_size(file, unknown);
+  const std::int64_t size =
+      unknown ? 0 : static_cast<std::int64_t>(std::min<std::uintmax_t>(told, INT64_MAX / 64));
+  sqlite3* const connection = connection_.get();
+  constexpr std::int64_t kLeast = 1'000'000;
+  constexpr std::int64_t kMost = 1'000'000'000;
+  sqlite3_limit(connection, SQLITE_LIMIT_LENGTH, static_cast<int>(std::clamp(size, kLeast, kMost)));
+  sqlite3_limit(connection, SQLITE_LIMIT_SQL_LENGTH, 100'000);
+  sqlite3_limit(connection, SQLITE_LIMIT_COLUMN, 64);
+  sqlite3_limit(connection, SQLITE_LIMIT_EXPR_DEPTH, 64);
+  sqlite3_limit(connection, SQLITE_LIMIT_COMPOUND_SELECT, 8);
+  sqlite3_limit(connection, SQLITE_LIMIT_TRIGGER_DEPTH, 1);
+  sqlite3_limit(connection, SQLITE_LIMIT_ATTACHED, 0);
+  steps_left_ = std::make_unique<std::int64_t>(kStepsOfAnyMap + kStepsPerByte * size);
+  sqlite3_progress_handler(connection, kStepsPerCall, &count_steps, steps_left_.get());
+}
+
 Database::Database(const std::filesystem::path& file, Mode mode) {
   const int access = mode == Mode::read    ? SQLITE_OPEN_READONLY
                      : mode == Mode::write ? SQLITE_OPEN_READWRITE
@@ -89,8 +125,10 @@ Database::Database(const std::filesystem::path& file, Mode mode) {
   if (opened != SQLITE_OK) fail();
   sqlite3_extended_result_codes(connection, 1);
   sqlite3_busy_timeout(connection, kPatience_ms);
+  sqlite3_db_config(connection, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  if (mode == Mode::read) distrust(file);
   run("PRAGMA trusted_schema = OFF");  // no function is called for what a file's schema asks
-  run("PRAGMA cell_size_check = ON");
+  run("PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0");
   if (mode == Mode::read) run("PRAGMA query_only = ON");
   if (mode == Mode::write) run("PRAGMA journal_mode = DELETE; PRAGMA synchronous = FULL");
   if (mode == Mode::create) run("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF");
@@ -138,10 +176,39 @@ std::string Database::text(const std::string& sql) {
   return text ? reinterpret_cast<const char*>(text) : "";
 }
 
-void Database::create_table(const TableShape& table) {
+namespace {
+
+std::string definition_of(const TableShape& table) {
   std::string sql = fmt::format("CREATE TABLE {}(key INTEGER PRIMARY KEY", table.name);
   for (const char* const column : table.columns) sql += fmt::format(", {}", column);
-  run(sql + ", checksum INTEGER)");
+  return sql + ", checksum INTEGER)";
+}
+
+std::string text_of(sqlite3_stmt& statement, int column) {
+  const auto* const text = sqlite3_column_text(&statement, column);
+  return text ? reinterpret_cast<const char*>(text) : "";
+}
+
+}  // namespace
+
+void Database::create_table(const TableShape& table) { run(definition_of(table)); }
+
+void Database::expect_tables(std::span<const TableShape* const> tables) {
+  std::map<std::string, std::string> wanted;
+  for (const TableShape* const table : tables) wanted[table->name] = definition_of(*table);
+  const Statement statement = prepare("SELECT type, name, sql FROM sqlite_master");
+  int stepped = sqlite3_step(statement.get());
+  for (; stepped == SQLITE_ROW; stepped = sqlite3_step(statement.get())) {
+    const std::string name = text_of(*statement, 1);
+    const auto found = wanted.find(name);
+    if (text_of(*statement, 0) != "table" || found == wanted.end() ||
+        text_of(*statement, 2) != found->second) {
+      throw Fault(fmt::format("'{:.40}' in it is no table of a map", name));
+    }
+    wanted.erase(found);
+  }
+  if (stepped != SQLITE_DONE) fail();
+  if (!wanted.empty()) throw Fault(fmt::format("table {} is missing", wanted.begin()->first));
 }
 
 void Database::put(const TableShape& table, const Row& row, std::uint64_t checksum) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -44,7 +45,7 @@ std::uint64_t checksum_of(const TableShape& table, const Row& row);
 class Database {
  public:
   enum class Mode {
-    read,    ///< cannot change the file
+    read,    ///< cannot change the file, which is not trusted
     write,   ///< commits survive a power cut
     create,  ///< new file, filled without a journal: of no use until it is complete
   };
@@ -56,6 +57,9 @@ class Database {
   std::string text(const std::string& sql);
 
   void create_table(const TableShape& table);
+  /// @throws Fault where the file has other tables than these, or anything else: a view, an index,
+  /// a trigger, a column that is computed. To be asked before anything else is read.
+  void expect_tables(std::span<const TableShape* const> tables);
   /// Inserts the row, or replaces the one with its key. `checksum` is checksum_of(table, row).
   void put(const TableShape& table, const Row& row, std::uint64_t checksum);
   void erase(const TableShape& table, std::int64_t key);
@@ -71,11 +75,14 @@ class Database {
   };
   using Statement = std::unique_ptr<sqlite3_stmt, Close>;
 
+  static int count_steps(void* steps_left);
+  void distrust(const std::filesystem::path& file);
   Statement prepare(const std::string& sql);
   sqlite3_stmt& prepared(const std::string& sql);
   void finish(sqlite3_stmt& statement);
   [[noreturn]] void fail();
 
+  std::unique_ptr<std::int64_t> steps_left_;  ///< of a file that is read; outlives the connection
   std::unique_ptr<sqlite3, Close> connection_;
   std::map<std::string, Statement> statements_;  ///< those used again and again, by their text
 };

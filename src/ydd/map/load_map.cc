@@ -21,7 +21,8 @@ using map_format::Row;
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : database_(file, Database::Mode::read) {
-    database_.run("BEGIN");  // everything from one save, whoever is writing
+    database_.run("BEGIN");                        // everything from one save, whoever is writing
+    database_.expect_tables(map_format::kTables);  // before the check, which computes what it finds
     if (const std::string check = database_.text("PRAGMA quick_check(1)"); check != "ok") {
       throw Fault(check);
     }
@@ -39,9 +40,11 @@ class Reader {
   /// The one row of kAtlas, which carries the digest of the others and is not part of it.
   Row atlas_row() {
     std::vector<Row> rows;
-    database_.for_each(map_format::kAtlas,
-                       [&](const Row& row, std::uint64_t) { rows.push_back(row); });
-    if (rows.size() != 1) throw Fault("it does not say what is inside");
+    database_.for_each(map_format::kAtlas, [&](const Row& row, std::uint64_t) {
+      if (!rows.empty()) throw Fault("it says twice what is inside");
+      rows.push_back(row);
+    });
+    if (rows.empty()) throw Fault("it does not say what is inside");
     return std::move(rows.front());
   }
   std::uint64_t digest() const { return digest_; }
@@ -62,13 +65,15 @@ struct Totals {
   std::uint64_t digest = 0;
 };
 
+constexpr std::uint32_t kMostMaps = 1'000'000;
+
 Totals read_atlas_row(const Row& row, AtlasParts& parts) {
   parts.camera = map_format::decode_camera(row.bytes(2));
   parts.camera.name = row.bytes(1);
   parts.scales = map_format::decode_scales(row.bytes(3));
   parts.revision = static_cast<std::uint64_t>(row.integer(4));
   parts.next_serial = row.integer(5);
-  parts.maps = row.number(6);
+  parts.maps = row.number(6, kMostMaps);
   parts.newest = {row.number(7), row.number(8)};
   parts.freed_keyframes = map_format::decode_ids<KeyFrameTag>(row.bytes(9));
   parts.freed_points = map_format::decode_ids<MapPointTag>(row.bytes(10));

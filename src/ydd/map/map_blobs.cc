@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/map/map_blobs.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "ydd/map/map_bytes.h"
 
 namespace ydd::map_format {
@@ -113,7 +116,13 @@ PyramidScales decode_scales(std::string_view bytes) {
   for (std::size_t i = 0; i < levels; ++i) scales.factor.push_back(in.f64());
   for (std::size_t i = 0; i < levels; ++i) scales.inv_sigma2.push_back(in.f64());
   in.expect_end();
-  if (levels == 0) throw Fault("an image pyramid without levels");
+  constexpr std::size_t kMostLevels = 32;
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
+  if (levels == 0 || levels > kMostLevels || !positive(scales.log_step) ||
+      !std::ranges::all_of(scales.factor, positive) ||
+      !std::ranges::all_of(scales.inv_sigma2, positive)) {
+    throw Fault("an image pyramid that cannot be");
+  }
   return scales;
 }
 

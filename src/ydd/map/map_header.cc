@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/map/map_header.h"
 
+#include <sys/stat.h>
+
 #include <array>
 #include <fstream>
 #include <string_view>
@@ -32,8 +34,9 @@ std::uint32_t big_endian(const Header& header, std::size_t at, std::size_t size)
 
 Header read_header(const fs::path& file) {
   if (!fs::exists(file)) throw Fault("there is no such file");
+  if (!fs::is_regular_file(file)) throw Fault("is not a file");  // a pipe would wait for ever
   std::ifstream stream(file, std::ios::binary);
-  if (!stream || fs::is_directory(file)) throw Fault("cannot be opened for reading");
+  if (!stream) throw Fault("cannot be opened for reading");
   Header header{};
   stream.read(header.data(), header.size());
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
@@ -67,6 +70,8 @@ void check_header(const fs::path& file) {
         fmt::format("was written by a newer ydd-slam (format {}; this one reads {}); use that one",
                     version, kVersion));
   }
+  // A log beside the file would be made by reading it already; no map was ever written that way.
+  if (header[18] != 1 || header[19] != 1) throw Fault("is damaged (kept with a log beside it)");
   const std::uint32_t page_size = big_endian(header, 16, 2);
   const std::uintmax_t pages = big_endian(header, 28, 4);
   const std::uintmax_t wanted = pages * (page_size == 1 ? 65536 : page_size);
@@ -77,6 +82,13 @@ void check_header(const fs::path& file) {
 
 void recover(const fs::path& file) {
   if (!has_journal(file)) return;
+  struct stat journal = {};
+  struct stat map = {};
+  if (::lstat(journal_of(file).c_str(), &journal) != 0 || ::stat(file.c_str(), &map) != 0) return;
+  if (!S_ISREG(journal.st_mode) || journal.st_uid != map.st_uid) {
+    throw Fault(fmt::format("what lies at {} was not left by who saved the map; take it away",
+                            journal_of(file).string()));
+  }
   const Result<FileLock> lock = FileLock::take(file, false);
   if (!lock) return;  // somebody is saving: readers wait for them, nothing is to be mended
   // The first read rolls back, if that journal is one of a save that was killed.

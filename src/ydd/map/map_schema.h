@@ -33,5 +33,7 @@ inline const TableShape kCulled = {"culled", {"parent", "parent_generation", "po
 inline const TableShape kPoints = {"points", {"points"}};
 
 inline const TableShape* const kContent[] = {&kKeyframe, &kFeatures, &kPicture, &kCulled, &kPoints};
+inline const TableShape* const kTables[] = {&kAtlas,   &kKeyframe, &kFeatures,
+                                            &kPicture, &kCulled,   &kPoints};
 
 }  // namespace ydd::map_format

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <system_error>
@@ -9,6 +10,8 @@
 #include <fmt/format.h>
 
 #include "ydd/base/file_lock.h"
+#include "ydd/base/files.h"
+#include "ydd/base/log.h"
 #include "ydd/base/version.h"
 #include "ydd/map/map_blobs.h"
 #include "ydd/map/map_bytes.h"
@@ -182,6 +185,66 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
+/// What must not be lost in silence: how much a file holds, and of which keyframes.
+struct Holding {
+  std::vector<std::pair<KeyFrameId, Timestamp>> keyframes;
+  std::size_t points = 0;
+
+  bool empty() const { return keyframes.empty() || points == 0; }
+};
+
+Holding holding_of(const Atlas& atlas) {
+  Holding holding{{}, atlas.points().size()};
+  holding.keyframes.reserve(atlas.keyframes().size());
+  atlas.keyframes().for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
+    holding.keyframes.emplace_back(id, keyframe.stamp);
+  });
+  return holding;
+}
+
+/// Whether each keyframe of `old` is in the atlas, or was culled from it.
+bool goes_on_from(const Holding& old, const Atlas& atlas) {
+  return std::ranges::all_of(old.keyframes, [&](const auto& entry) {
+    const KeyFrame* const keyframe = atlas.find(entry.first);
+    return keyframe ? keyframe->stamp == entry.second : atlas.culled().contains(entry.first);
+  });
+}
+
+/// A map that goes on may lose what has become redundant, but not most of itself.
+bool is_lesser(const Atlas& atlas, const Holding& old) {
+  const double kept = goes_on_from(old, atlas) ? 0.5 : 1.0;
+  return static_cast<double>(atlas.keyframes().size()) <
+             kept * static_cast<double>(old.keyframes.size()) ||
+         static_cast<double>(atlas.points().size()) < kept * static_cast<double>(old.points);
+}
+
+fs::path previous_of(const fs::path& file) { return file.string() + ".previous"; }
+
+/// Gives the file a second name, so that it stays when the first is given to another; true if it
+/// has it now. A larger map that has that name already keeps it.
+bool keep_previous(const fs::path& file, const Holding& old) {
+  const fs::path previous = previous_of(file);
+  if (fs::exists(fs::symlink_status(previous))) {
+    const Result<Atlas> before = load_map(previous);
+    if (!before) {
+      throw Fault(fmt::format("its map cannot be kept as {}, as something else is there; move it",
+                              previous.string()));
+    }
+    if (!is_lesser(*before, old)) {
+      log::warning("{}: a lesser map replaces another one ({} keyframes, {} points); {} stays",
+                   file.string(), old.keyframes.size(), old.points, previous.string());
+      return false;
+    }
+    fs::remove(previous);
+  }
+  std::error_code no_second_names;
+  fs::create_hard_link(file, previous, no_second_names);
+  if (no_second_names) fs::copy_file(file, previous);
+  log::warning("{}: the map of before ({} keyframes, {} points) holds more; it is kept as {}",
+               file.string(), old.keyframes.size(), old.points, previous.string());
+  return true;
+}
+
 Error failure(const fs::path& file, const char* reason) {
   const std::string_view text = reason;
   const bool named = text.starts_with(file.string());
@@ -194,6 +257,9 @@ struct MapWriter::State {
   std::optional<FileLock> lock;  ///< of the file that is there; outlives the connection
   std::optional<Database> database;
   Written written;  ///< what the database holds
+  Holding held;     ///< by the file
+  bool replace = false;
+  std::optional<Holding> previous;  ///< what was set aside for as long as there is less
 };
 
 MapWriter::MapWriter(fs::path file, std::unique_ptr<State> state)
@@ -202,12 +268,13 @@ MapWriter::MapWriter(MapWriter&&) noexcept = default;
 MapWriter& MapWriter::operator=(MapWriter&&) noexcept = default;
 MapWriter::~MapWriter() = default;
 
-Result<MapWriter> MapWriter::open(const fs::path& file) {
+Result<MapWriter> MapWriter::open(const fs::path& file, Replacing replacing) {
   try {
     // A link stays a link: what it leads to is replaced. Absolute first: the canonical path of a
     // file that is not there yet would stay relative.
-    const fs::path target = fs::weakly_canonical(fs::absolute(file));
+    const fs::path target = map_file_target(file);
     auto state = std::make_unique<State>();
+    state->replace = replacing == Replacing::anything;
     if (::access(folder_of(target).c_str(), W_OK | X_OK) != 0) {
       throw Fault("its folder is not there, or cannot be written to");
     }
@@ -215,7 +282,9 @@ Result<MapWriter> MapWriter::open(const fs::path& file) {
       map_format::check_header(target);
       map_format::recover(target);
       state->lock = take_lock(target, false);
-      if (const Result<Atlas> held = load_map(target); !held) throw Fault(held.error().message);
+      const Result<Atlas> held = load_map(target);
+      if (!held) throw Fault(held.error().message);
+      state->held = holding_of(*held);
     }
     return MapWriter(target, std::move(state));
   } catch (const std::exception& fault) {
@@ -225,8 +294,21 @@ Result<MapWriter> MapWriter::open(const fs::path& file) {
 
 Result<MapSave> MapWriter::save(const Atlas& atlas) {
   try {
+    const bool lesser = !state_->replace && fs::exists(file_) && is_lesser(atlas, state_->held);
+    if (lesser && holding_of(atlas).empty()) {
+      throw Fault(fmt::format(
+          "holds {} keyframes and {} points, and this map has none: it is left as it was",
+          state_->held.keyframes.size(), state_->held.points));
+    }
     const bool known = state_->database && state_->lock && state_->lock->is_named(file_);
-    return known ? save_changes(atlas) : save_whole(atlas);
+    const MapSave saved = known && !lesser ? save_changes(atlas) : save_whole(atlas, lesser);
+    state_->held = holding_of(atlas);
+    if (state_->previous && !is_lesser(atlas, *state_->previous)) {
+      state_->previous.reset();
+      std::error_code ignored;
+      fs::remove(previous_of(file_), ignored);
+    }
+    return saved;
   } catch (const std::exception& fault) {
     // What the file holds now is not known any more; the next save writes all of it.
     state_->database.reset();
@@ -234,8 +316,7 @@ Result<MapSave> MapWriter::save(const Atlas& atlas) {
   }
 }
 
-MapSave MapWriter::save_whole(const Atlas& atlas) {
-  const fs::path fresh = file_.string() + ".new";
+MapSave MapWriter::save_whole(const Atlas& atlas, bool lesser) {
   state_->database.reset();
   if (state_->lock && !state_->lock->is_named(file_)) state_->lock.reset();
   if (fs::exists(file_)) {  // somebody may have put something else there since
@@ -243,21 +324,24 @@ MapSave MapWriter::save_whole(const Atlas& atlas) {
     map_format::recover(file_);
     if (!state_->lock) state_->lock = take_lock(file_, false);
   }
-  FileLock lock = take_lock(fresh, true);
+  Result<FreshFile> fresh = FreshFile::make(file_, ".new");
+  if (!fresh) throw Fault(fresh.error().message);
+  FileLock lock = take_lock(fresh->path(), false);
   std::pair<Written, std::int64_t> written;
-  try {
-    if (!lock.truncate()) throw Fault("cannot be written");
-    Database database(fresh, Database::Mode::create);
+  {
+    Database database(fresh->path(), Database::Mode::create);
     database.run("BEGIN");
     make_schema(database);
     written = write_atlas(database, atlas, {});
     database.run("COMMIT");
-  } catch (...) {
-    fs::remove(fresh);
-    throw;
   }
   if (!lock.flush()) throw Fault("cannot be flushed to the disk");
-  fs::rename(fresh, file_);
+  if (lesser) {
+    // One that is of an earlier day is not this writer's to take away.
+    const bool mine = state_->previous || !fs::exists(fs::symlink_status(previous_of(file_)));
+    if (keep_previous(file_, state_->held) && mine) state_->previous = state_->held;
+  }
+  if (const Result<void> placed = fresh->place(); !placed) throw Fault(placed.error().message);
   flush_folder(folder_of(file_));
   state_->lock = std::move(lock);
   state_->written = std::move(written.first);
@@ -274,8 +358,12 @@ MapSave MapWriter::save_changes(const Atlas& atlas) {
   return {false, rows};
 }
 
-Result<void> save_map(const Atlas& atlas, const fs::path& file) {
-  Result<MapWriter> writer = MapWriter::open(file);
+fs::path map_file_target(const fs::path& file) {
+  return fs::weakly_canonical(follow_links(fs::absolute(file)));
+}
+
+Result<void> save_map(const Atlas& atlas, const fs::path& file, Replacing replacing) {
+  Result<MapWriter> writer = MapWriter::open(file, replacing);
   if (!writer) return writer.error();
   if (const Result<MapSave> saved = writer->save(atlas); !saved) return saved.error();
   return {};

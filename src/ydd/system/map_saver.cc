@@ -26,6 +26,7 @@ void MapSaver::offer(const std::shared_ptr<const Atlas>& atlas) {
   const std::int64_t now_ns = wall_clock_ns();
   const double rest_s = std::max(every_s_, kRestPerWork * last_s_.load());
   const bool due = every_s_ > 0 && static_cast<double>(now_ns - last_start_ns_) * 1e-9 >= rest_s;
+  if (atlas->keyframes().empty()) return;  // nothing that a file should be made for
   if (!due || busy_.load() || atlas->revision() == handed_over_) return;
   last_start_ns_ = now_ns;
   handed_over_ = atlas->revision();

@@ -159,16 +159,15 @@ void SlamSystem::reset() {
 
 void SlamSystem::finish() { mapping_->finish(); }
 
-Result<void> SlamSystem::autosave_to(const std::filesystem::path& file) {
-  Result<MapWriter> writer = MapWriter::open(file);
+Result<void> SlamSystem::autosave_to(const std::filesystem::path& file, Replacing replacing) {
+  Result<MapWriter> writer = MapWriter::open(file, replacing);
   if (!writer) return writer.error();
   saver_ = std::make_unique<MapSaver>(std::move(*writer), options_.map.autosave_s);
   return {};
 }
 
 Result<void> SlamSystem::save_map(const std::filesystem::path& file) {
-  if (saver_ &&
-      saver_->file() == std::filesystem::weakly_canonical(std::filesystem::absolute(file))) {
+  if (saver_ && saver_->file() == map_file_target(file)) {
     return saver_->save(atlas());
   }
   return ydd::save_map(*atlas(), file);

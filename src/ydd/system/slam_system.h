@@ -71,7 +71,8 @@ class SlamSystem {
 
   /// From now on saves the map to `file` every `map.autosave` seconds, from a snapshot and in a
   /// thread of its own. Failure: as MapWriter::open. Later failures are logged.
-  Result<void> autosave_to(const std::filesystem::path& file);
+  Result<void> autosave_to(const std::filesystem::path& file,
+                           Replacing replacing = Replacing::lesser);
   /// Saves the map as it is now, whole when it returns; also after `finish`.
   Result<void> save_map(const std::filesystem::path& file);
 
