@@ -15,6 +15,7 @@
 
 #include "ydd/base/files.h"
 #include "ydd/base/json_reader.h"
+#include "ydd/base/json_text.h"
 #include "ydd/detection/boxes.h"
 
 namespace ydd {
@@ -29,9 +30,7 @@ struct Malformed {
   std::string message;
 };
 
-std::string quoted(const std::string& text) {
-  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string quoted(const std::string& text) { return json_text(Json(text)); }
 
 std::string to_json(const RecordedDetection& d) {
   std::string out = fmt::format("{{\"cls\": {}", quoted(d.detection.class_name));

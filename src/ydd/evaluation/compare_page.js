@@ -14,7 +14,7 @@ function merged(list, timesOf, valuesOf) {
     timesOf(run).forEach((t, i) => {
       const key = Math.round(1e6 * (t - start));
       if (!rows.has(key)) rows.set(key, [key / 1e6, ...list.map(() => null)]);
-      rows.get(key)[k + 1] = values[i];
+      rows.get(key)[k + 1] = numberOrNone(values[i]);
     });
   });
   return [...rows.values()].sort((a, b) => a[0] - b[0]);

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ydd/base/json_reader.h"
+#include "ydd/base/json_text.h"
 #include "ydd/base/version.h"
 #include "ydd/evaluation/report_html.h"
 
@@ -105,9 +106,7 @@ Result<Json> run_json(const RunReportData& data, const Alignment& to_world) {
 }
 
 /// Pages are UTF-8 whatever the run's files hold.
-std::string text_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string text_of(const Json& json) { return json_text(json); }
 
 /// Where a run is shown: aligned to the truth, else to the first run, else as it is.
 Alignment place_of(const RunReportData& run, const RunReportData& first) {

@@ -75,6 +75,55 @@ TEST(HtmlReport, TextOfTheRunIsNeverMarkup) {
   EXPECT_EQ(data.at("config"), sample().config) << "marks inside the data stay as they are";
 }
 
+std::size_t scripts_of(const std::string& html) { return count_of(html, "<script"); }
+
+TEST(HtmlReport, NoTextOfARunLeavesItsPlace) {
+  const std::size_t own = scripts_of(html_report(sample()).value());
+  for (const std::string evil : {"</script><script>x()</script>", "<img src=x onerror=x()>",
+                                 "<!--<script>", "a&lt;b\u2028\u2029"}) {
+    RunReportData data = sample();
+    data.title = evil;
+    data.config = "variant: " + evil;
+    data.moments = {{evil, "Man", true}};
+    data.summary_json = json{
+        {"sequence", evil},
+        {"versions", {{evil, evil}}},
+        {"frames_skipped", {{{"frame", 1}, {"reason", evil}}}},
+        {"features_rejected_by_rule",
+         {{evil, 1}}}}.dump();
+    data.frames_json = json{
+        {"index", {evil}},
+        {"stamp_s", {1.0}},
+        {"state", {evil}},
+        {"rejected", {{evil, {1}}}},
+        {"stages_cpu_ms",
+         {{evil, {1}}}}}.dump();
+    const std::string html = html_report(data).value();
+    EXPECT_EQ(scripts_of(html), own) << evil;
+    EXPECT_EQ(count_of(html, "<img"), 0U) << evil;
+    EXPECT_EQ(count_of(html, "<!--"), 0U) << evil;
+    const auto begin = html.find("id=\"data\">") + 10;
+    const std::string block = html.substr(begin, html.find("</script>", begin) - begin);
+    EXPECT_EQ(block.find_first_of("<>&"), std::string::npos) << evil;
+    EXPECT_EQ(block.find("\u2028"), std::string::npos);
+    EXPECT_EQ(block.find("\u2029"), std::string::npos);
+    const json read = data_of(html);
+    EXPECT_EQ(read.at("title"), evil);
+    EXPECT_EQ(read.at("frames"), json::parse(data.frames_json));
+    EXPECT_EQ(read.at("summary"), json::parse(data.summary_json));
+  }
+}
+
+TEST(HtmlReport, OnlyThePagesOwnScriptsMayRun) {
+  const std::string html = html_report(sample()).value();
+  const std::string open = "script-src 'nonce-";
+  const auto at = html.find(open);
+  ASSERT_NE(at, std::string::npos);
+  const std::string nonce = html.substr(at + open.size(), 16);
+  EXPECT_EQ(count_of(html, "<script nonce=\"" + nonce + "\">"), 3U);
+  EXPECT_EQ(html, html_report(sample()).value()) << "equal runs, equal reports";
+}
+
 TEST(HtmlReport, WithoutGroundTruthThereIsTheBareTrajectory) {
   const json data = data_of(html_report(sample()).value());
   EXPECT_EQ(data.at("trajectory").at("xyz").size(), 30U);

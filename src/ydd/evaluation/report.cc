@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "ydd/base/json_text.h"
+
 namespace ydd {
 namespace {
 
@@ -72,7 +74,7 @@ std::string format_json(const Evaluation& e) {
                  {"unit", unit_name(e.options.rpe.unit)},
                  {"translational_error", to_json(e.rpe.translation_m)},
                  {"rotational_error", to_json(e.rpe.rotation_deg)}};
-  return json.dump(1) + "\n";
+  return json_text(json, 1) + "\n";
 }
 
 }  // namespace ydd

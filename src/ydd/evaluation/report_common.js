@@ -25,6 +25,8 @@ function section(title) {
 }
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
 const fixed = (value, digits) => Number.isFinite(value) ? value.toFixed(digits) : '–';
+/// A gap where a file of the run has something else: plots take nothing but numbers.
+const numberOrNone = (value) => Number.isFinite(value) ? value : null;
 const human = (name) => name.replaceAll('_', ' ');
 /// The end of a path is what tells.
 const fileName = (path) => path.split('/').slice(-2).join('/');
@@ -265,14 +267,34 @@ function interaction() {
 function themed() {
   return {axisLineColor: colour('line'), gridLineColor: colour('line')};
 }
+/// What the legend says, made of nodes: the library's own would take text of the run as markup.
+function legendOf({x, xHTML, series}) {
+  const legend = document.createDocumentFragment();
+  if (x !== undefined) legend.append(xHTML + ':');
+  for (const s of series) {
+    if (!s.isVisible || (x !== undefined && !s.yHTML)) continue;
+    const entry = element(legend, 'span');
+    const name = element(entry, 'b');
+    name.style.color = s.color;
+    if (x === undefined) {
+      element(name, 'span').innerHTML = s.dashHTML;  // of this page's colours and dashes alone
+      name.append(' ' + s.label);
+    } else {
+      name.append(' ' + s.label);
+      entry.append(':\u00a0' + s.yHTML);
+    }
+    legend.append(' ');
+  }
+  return legend;
+}
 function basicPlot(parent, title, unit, labels, rows, options) {
   const figure = element(parent, 'figure');
   element(figure, 'h3', title);
   const div = element(figure, 'div', undefined, {className: 'plot'});
   const legend = element(figure, 'div', undefined, {className: 'legend'});
   const graph = new Dygraph(div, rows, {
-    labels, colors: palette, legend: 'always', labelsDiv: legend, strokeWidth: 1.4,
-    includeZero: true, connectSeparatedPoints: true, axisLabelFontSize: 12, xLabelHeight: 16,
+    labels, colors: palette, legend: 'always', labelsDiv: legend, legendFormatter: legendOf,
+    strokeWidth: 1.4, includeZero: true, connectSeparatedPoints: true, axisLabelFontSize: 12, xLabelHeight: 16,
     ylabel: unit, yLabelWidth: 16, highlightCircleSize: 4,
     interactionModel: interaction(), ...themed(), ...options});
   plots.push(graph);

@@ -117,7 +117,7 @@ function drawErrorTable(node) {
     rows.filter(([, s]) => s).map(([name, s, pairs]) =>
       [name, ...['rmse', 'mean', 'median', 'std', 'min', 'max'].map((k) => fixed(s[k], 6)), pairs]));
 }
-function columns(...series) { return frameTimes.map((t, i) => [t, ...series.map((s) => s[i])]); }
+function columns(...series) { return frameTimes.map((t, i) => [t, ...series.map((s) => numberOrNone(s[i]))]); }
 function drawFeatures() {
   const node = section('Feature points');
   const kept = mean(frames.kept), requested = mean(frames.requested);
