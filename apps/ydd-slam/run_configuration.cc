@@ -54,7 +54,10 @@ Result<Configuration> effective_configuration(const RunRequest& request) {
     if (auto r = table.set("detect.mode", request.detect, "--detect"); !r) return r.error();
   }
   if (request.deterministic) out.options.deterministic = true;
-  if (request.seed >= 0) out.options.tracking.relocalization.seed = request.seed;
+  if (request.seed >= 0) {
+    out.options.tracking.relocalization.seed = request.seed;
+    out.options.loop.match.seed = request.seed;
+  }
   return out;
 }
 

@@ -48,10 +48,10 @@ bool witnesses(const Atlas& atlas, KeyFrameId neighbour, const LoopMatch& match,
   TrackedFrame frame = as_frame(keyframe);
   frame.T_camera_world = (match.T_world_current * T_current_neighbour).inverse();
   const LocalSearch search =
-      search_local_map(atlas, matched_part, frame, kGuidedRadius_px, MatchLimits());
+      search_local_map(atlas, matched_part, frame, kGuidedRadius_px, options.limits);
   const PoseFromMatches pose =
       pose_from_matches(atlas.camera(), atlas.scales(), frame.features(), frame.T_camera_world,
-                        search.matches, PoseOnlyOptions());
+                        search.matches, options.pose);
   const SE3 moved = pose.T_camera_world * frame.T_camera_world.inverse();
   const bool stayed = moved.translation().norm() < 0.1 && moved.angle_rad() < 0.05;
   return stayed && static_cast<int>(pose.inliers.size()) >= options.consistent_inliers;
@@ -151,9 +151,9 @@ std::optional<LoopMatch> match_candidate(const Atlas& atlas, KeyFrameId current,
   const TrackedFrame frame = as_frame(atlas.at(current));
   const bool other_map = atlas.at(id).map != atlas.at(current).map;
   const auto found = other_map ? relocalize_uniquely(atlas, frame, rivals, relocalization,
-                                                     PoseOnlyOptions(), MatchLimits())
+                                                     options.pose, options.limits)
                                : relocalize(atlas, frame, std::span(&id, 1), relocalization,
-                                            PoseOnlyOptions(), MatchLimits());
+                                            options.pose, options.limits);
   if (!found) return std::nullopt;
   LoopMatch match{current, found->keyframe, found->T_camera_world.inverse(), {}};
   for (const PointMatch& m : found->inliers) match.seen.push_back(m.point);

@@ -27,6 +27,8 @@ struct LoopOptions {
   double max_turn_drift_rad_per_m = 0.02;
   int essential_weight = 60;
   RelocalizationOptions match;
+  MatchLimits limits{};    ///< those of tracking, set by the system
+  PoseOnlyOptions pose{};  ///< likewise
   PoseGraphOptions graph;
   bool full_bundle = true;
   BundleOptions bundle;

@@ -82,6 +82,13 @@ AsynchronousDetection::Boxes AsynchronousDetection::next(const RgbdFrame& frame)
   return boxes;
 }
 
+void AsynchronousDetection::forget() {
+  if (asked_ >= 0) runner_.join();  // an answer for a frame that is no more
+  asked_ = -1;
+  first_ = true;
+  carrier_ = BoxCarrier(options_.carry);
+}
+
 std::optional<DetectorRunner::Answer> AsynchronousDetection::answer_for(std::int64_t frame) {
   if (asked_ < 0) return {};
   std::optional<DetectorRunner::Answer> answer;

@@ -67,6 +67,8 @@ class AsynchronousDetection {
   };
   /// The boxes of `frame`. Fails when the detector could not judge the frame that it looked at.
   Boxes next(const RgbdFrame& frame);
+  /// Forgets all boxes; the next frame waits for its own, as the first one did.
+  void forget();
 
  private:
   std::optional<DetectorRunner::Answer> answer_for(std::int64_t frame);

@@ -77,7 +77,8 @@ double peak_resident_mb() {
 void RunRecorder::add(const FrameReport& report, const MapSize& map) {
   ++processed_;
   if (report.keyframe) ++keyframes_;
-  if (report.track.state == TrackingState::tracking) {
+  if (report.track.state == TrackingState::coasting) ++doubts_[report.track.doubt];
+  if (report.track.state == TrackingState::tracking || report.track.reference.valid()) {
     ++tracked_;
   } else if (!lost_.empty() && lost_.back().last + 1 == report.index) {
     lost_.back().last = report.index;
@@ -158,6 +159,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"frames_dropped", dropped_},
       {"frames_skipped", skipped},
       {"frames_tracked", tracked_},
+      {"frames_coasting", doubts_},
       {"lost_spans", lost},
       {"loops", loops_to_json(system.mapping_reports().loops)},
       {"live_commands", commands},

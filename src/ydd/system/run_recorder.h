@@ -80,6 +80,7 @@ class RunRecorder {
   int dropped_ = 0;
   std::vector<std::pair<std::int64_t, std::string>> skipped_;
   std::vector<std::pair<std::int64_t, std::string>> commands_;
+  std::map<std::string, int> doubts_;  ///< frames by why they coast
   std::vector<Span> lost_;
   std::vector<double> requested_, kept_;
   std::array<std::int64_t, kRuleCount> rules_{};

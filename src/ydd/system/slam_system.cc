@@ -2,6 +2,7 @@
 #include "ydd/system/slam_system.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -36,8 +37,11 @@ Atlas initial_atlas(const Camera& camera, const SystemOptions& options, std::opt
 
 std::unique_ptr<MappingRunner> make_mapping(Atlas atlas, const SystemOptions& options) {
   Mapper mapper(std::move(atlas), options.mapping);
-  return options.deterministic ? make_inline_mapping(std::move(mapper), options.loop)
-                               : make_threaded_mapping(std::move(mapper), options.loop);
+  LoopOptions loop = options.loop;  // matches and poses by the same rules as tracking
+  loop.limits = options.tracking.match;
+  loop.pose = options.tracking.pose;
+  return options.deterministic ? make_inline_mapping(std::move(mapper), loop)
+                               : make_threaded_mapping(std::move(mapper), loop);
 }
 
 /// Equal results need answers at fixed frames.
@@ -48,6 +52,22 @@ DetectOptions detect_options(const SystemOptions& options) {
     detect.latency_frames = kDeterministicLatency;
   }
   return detect;
+}
+
+template <class Pixel>
+std::size_t pixels_in(const Image<Pixel>& image) {
+  return static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height());
+}
+
+template <class Pixel>
+bool same_pixels(const Image<Pixel>& a, const Image<Pixel>& b) {
+  return !a.empty() && a.width() == b.width() && a.height() == b.height() &&
+         std::equal(a.data(), a.data() + pixels_in(a), b.data());
+}
+
+bool is_flat(const DepthImage& depth_m) {
+  const float* const end = depth_m.data() + pixels_in(depth_m);
+  return std::adjacent_find(depth_m.data(), end, std::not_equal_to<>()) == end;
 }
 
 }  // namespace
@@ -87,6 +107,8 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
     report.observations = std::make_shared<const Observations>(observe(features, report.judgement));
   }
   track(frame, report);
+  last_colour_ = frame.colour;
+  last_depth_m_ = frame.depth_m;
   if (saver_) saver_->offer(atlas());
   total_timer.stop();
   report.times.push_back(total.front());
@@ -120,6 +142,7 @@ void SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   tracked.index = frame.index;
   tracked.stamp = frame.stamp;
   tracked.observations = report.observations;
+  tracked.doubt = repeated(frame);
   if (options_.map.pictures) {
     tracked.picture = std::make_shared<const PictureSource>(
         PictureSource{frame.colour, frame.depth_m, report.judgement.regions});
@@ -137,10 +160,24 @@ void SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
     StageTimer timer(report.times, "submit_keyframe");
     report.keyframe = submit(std::move(*candidate));
   }
-  if (report.track.state != TrackingState::tracking) return;
+  const bool has_pose =
+      report.track.state == TrackingState::tracking || report.track.reference.valid();
+  if (!has_pose) return;
   // The frame that starts a map is its first keyframe, which exists only now.
   if (!report.track.reference.valid()) report.track.reference = atlas()->newest_keyframe();
   trajectory_.push_back({frame.stamp, report.track.reference, report.track.T_reference_camera});
+}
+
+std::string SlamSystem::repeated(const RgbdFrame& frame) const {
+  const bool same_colour = same_pixels(frame.colour, last_colour_);
+  const bool same_depth = same_pixels(frame.depth_m, last_depth_m_);
+  // Both: a frame that was sent twice, from which nothing follows. A depth image of one value says
+  // nothing of time.
+  if (same_depth && !same_colour && !is_flat(frame.depth_m)) {
+    return "the depth image is the last one again";
+  }
+  if (same_colour && !same_depth) return "the colour image is the last one again";
+  return "";
 }
 
 bool SlamSystem::submit(KeyFrameCandidate candidate) {
@@ -154,6 +191,9 @@ void SlamSystem::reset() {
   tracker_ = Tracker(options_.tracking);
   judge_ = DynamicsJudge(options_.dynamics, judge_.catalogue());
   judge_.set_variant(variant);
+  if (asynchronous_) asynchronous_->forget();
+  last_colour_ = {};
+  last_depth_m_ = {};
   trajectory_.clear();
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "ydd/base/result.h"
@@ -94,6 +95,8 @@ class SlamSystem {
   Features extract(const RgbdFrame& frame, FrameReport& report);
   Result<Detections> join_detections(const RgbdFrame& frame, FrameReport& report);
   void track(const RgbdFrame& frame, FrameReport& report);
+  /// Why the frame cannot be what the camera sees now; empty: no reason.
+  std::string repeated(const RgbdFrame& frame) const;
   bool submit(KeyFrameCandidate candidate);
   MapId main_map() const;
 
@@ -107,6 +110,8 @@ class SlamSystem {
   std::unique_ptr<AsynchronousDetection> asynchronous_;  // or this
   std::unique_ptr<MapSaver> saver_;
   std::vector<TrajectoryEntry> trajectory_;
+  ColourImage last_colour_;  ///< of the frame before; empty: none
+  DepthImage last_depth_m_;
 };
 
 }  // namespace ydd

@@ -6,7 +6,8 @@
 
 namespace ydd {
 
-/// Pose optimisation over matches: gathers, solves, and keeps the matches that agree.
+/// Pose optimisation over matches: gathers, solves, and keeps the matches that agree. Without
+/// `use_depth` the frame's own depth counts for nothing.
 struct PoseFromMatches {
   SE3 T_camera_world;
   std::vector<PointMatch> inliers;
@@ -15,6 +16,6 @@ struct PoseFromMatches {
 PoseFromMatches pose_from_matches(const Camera& camera, const PyramidScales& scales,
                                   const Features& features, const SE3& T_camera_world_initial,
                                   const std::vector<PointMatch>& matches,
-                                  const PoseOnlyOptions& options);
+                                  const PoseOnlyOptions& options, bool use_depth = true);
 
 }  // namespace ydd

@@ -3,8 +3,7 @@
 
 #include <algorithm>
 
-#include <opencv2/calib3d.hpp>
-
+#include "ydd/tracking/pnp_ransac.h"
 #include "ydd/tracking/pose_from_matches.h"
 
 namespace ydd {
@@ -12,32 +11,6 @@ namespace {
 
 constexpr int kNeighbourhood = 30;        // keyframes around the recognised one
 constexpr double kGuidedRadius_px = 3.0;  // the pose is rough before the guided search
-
-/// PnP in RANSAC over matches; nothing when no consensus of four is found.
-std::optional<SE3> pnp_ransac(const Camera& camera, const Features& features,
-                              const std::vector<PointMatch>& matches,
-                              const RelocalizationOptions& options) {
-  std::vector<cv::Point3d> points;
-  std::vector<cv::Point2d> pixels;
-  for (const PointMatch& m : matches) {
-    const Eigen::Vector2f& px = features.undistorted_px[static_cast<std::size_t>(m.keypoint)];
-    points.emplace_back(m.p_world.x(), m.p_world.y(), m.p_world.z());
-    pixels.emplace_back(px.x(), px.y());
-  }
-  const cv::Matx33d intrinsics(camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0,
-                               1);
-  cv::Vec3d rotation;
-  cv::Vec3d translation;
-  std::vector<int> inliers;
-  cv::setRNGSeed(options.seed);
-  const bool found =
-      cv::solvePnPRansac(points, pixels, intrinsics, cv::noArray(), rotation, translation, false,
-                         options.ransac_iterations, static_cast<float>(options.ransac_threshold_px),
-                         0.99, inliers, cv::SOLVEPNP_AP3P);
-  if (!found || inliers.size() < 4) return std::nullopt;
-  return SE3(so3_exp({rotation[0], rotation[1], rotation[2]}),
-             {translation[0], translation[1], translation[2]});
-}
 
 void append_search(const LocalSearch& search, std::vector<PointMatch>& matches) {
   matches.insert(matches.end(), search.matches.begin(), search.matches.end());
@@ -54,7 +27,9 @@ std::optional<Relocalization> try_keyframe(const Atlas& atlas, TrackedFrame fram
   };
   const auto matches = match_keyframe(atlas, id, frame, options.match_ratio, limits);
   if (static_cast<int>(matches.size()) < options.min_matches) return std::nullopt;
-  const auto rough = pnp_ransac(atlas.camera(), features, matches, options);
+  const auto rough = pnp_ransac(atlas.camera(), features, matches,
+                                {options.ransac_iterations, options.ransac_threshold_px,
+                                 static_cast<unsigned>(options.seed)});
   if (!rough) return std::nullopt;
   PoseFromMatches pose = optimise(*rough, matches);
   if (static_cast<int>(pose.inliers.size()) < options.min_matches / 2) return std::nullopt;

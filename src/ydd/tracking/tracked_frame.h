@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "ydd/map/keyframe_picture.h"
@@ -20,6 +21,7 @@ struct TrackedFrame {
   std::shared_ptr<const PictureSource> picture;  ///< for a keyframe to keep; null: none
   SE3 T_camera_world;
   std::vector<MapPointId> points;  ///< per keypoint; empty id: none
+  std::string doubt;               ///< why its pictures are not to be believed; empty: no reason
 
   const Features& features() const { return observations->features; }
 };

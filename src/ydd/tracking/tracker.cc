@@ -11,6 +11,7 @@ namespace ydd {
 namespace {
 
 constexpr int kRelocalizationCandidates = 8;
+constexpr const char* kDepthContradicts = "depth contradicts the map";
 
 void assign(const PoseFromMatches& pose, TrackedFrame& frame) {
   frame.T_camera_world = pose.T_camera_world;
@@ -57,6 +58,8 @@ std::string_view to_string(TrackingState state) {
       return "initializing";
     case TrackingState::tracking:
       return "tracking";
+    case TrackingState::coasting:
+      return "coasting";
     case TrackingState::lost:
       return "lost";
   }
@@ -85,12 +88,17 @@ void TrackerOptions::describe(OptionTable& t) {
         "most similar keyframes that are tried when lost");
   t.add("new_map_after", new_map_after_s, {0.0, 3600.0}, "s",
         "a new map is started when the camera has been lost for so long");
+  t.add("young_map", young_map_keyframes, {0, 1000}, "keyframes",
+        "a map of so few that is lost is not waited for: a new one starts at once");
+  t.group("doubt", doubt);
   t.add("close_depth", close_depth_m, {0.1, 100.0}, "m",
         "nearer depth readings become points at once");
 }
 
 Tracker::Tracker(const TrackerOptions& options, bool in_known_map)
-    : options_(options), state_(in_known_map ? TrackingState::lost : TrackingState::initializing) {}
+    : options_(options),
+      state_(in_known_map ? TrackingState::lost : TrackingState::initializing),
+      depth_watch_(options.doubt) {}
 
 TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_idle) {
   frame.points.assign(frame.features().size(), MapPointId{});
@@ -99,16 +107,46 @@ TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_i
   }
   refresh_last_frame(atlas);
   TrackResult result;
+  if (find_pose(atlas, frame, result))
+    return judge(std::move(frame), atlas, std::move(result), mapper_idle);
+  // What contradicts the map with its depth may agree with it without.
+  if (state_ == TrackingState::tracking && options_.doubt.enabled) {
+    TrackedFrame bare = colour_only(frame);
+    bare.points.assign(bare.points.size(), MapPointId{});
+    if (find_pose(atlas, bare, result) && moves_as_a_body(bare) &&
+        !doubt_lasts_too_long(frame.stamp)) {
+      return finish_coasting(std::move(bare), atlas, std::move(result), kDepthContradicts);
+    }
+  }
+  if (doubted_since_ && !doubt_lasts_too_long(frame.stamp)) {
+    return finish_doubted(std::move(frame), atlas, std::move(result), doubt_);
+  }
+  return finish_lost(std::move(frame), atlas, std::move(result));
+}
+
+bool Tracker::find_pose(const Atlas& atlas, TrackedFrame& frame, TrackResult& result) {
   StageTimer initial_timer(result.times, "initial_pose");
   const std::optional<PoseFromMatches> pose = initial_pose(frame, atlas);
   initial_timer.stop();
-  if (!pose) return finish_lost(std::move(frame), std::move(result));
+  if (!pose) return false;
   result.motion_inliers = static_cast<int>(pose->inliers.size());
   assign(*pose, frame);
-  StageTimer local_timer(result.times, "local_map");
-  const bool tracked = track_local_map(atlas, frame, result);
-  local_timer.stop();
-  if (!tracked) return finish_lost(std::move(frame), std::move(result));
+  const StageTimer local_timer(result.times, "local_map");
+  return track_local_map(atlas, frame, result);
+}
+
+TrackResult Tracker::judge(TrackedFrame frame, const Atlas& atlas, TrackResult result,
+                           bool mapper_idle) {
+  if (!moves_as_a_body(frame)) {
+    return finish_doubted(std::move(frame), atlas, std::move(result),
+                          "the pose jumps as no body moves");
+  }
+  const bool contradicts = depth_is_doubtful(atlas, frame);
+  const bool doubted = contradicts || !frame.doubt.empty();
+  if (doubted && !doubt_lasts_too_long(frame.stamp)) {
+    const std::string doubt = frame.doubt.empty() ? kDepthContradicts : frame.doubt;
+    return finish_coasting(std::move(frame), atlas, std::move(result), doubt);
+  }
   return finish_tracked(std::move(frame), atlas, std::move(result), mapper_idle);
 }
 
@@ -169,7 +207,7 @@ std::optional<PoseFromMatches> Tracker::initial_pose(const TrackedFrame& frame,
 std::optional<PoseFromMatches> Tracker::pose_by_motion(const TrackedFrame& frame,
                                                        const Atlas& atlas) const {
   TrackedFrame predicted = frame;
-  predicted.T_camera_world = T_camera_last_.value_or(SE3()) * last_->T_camera_world;
+  predicted.T_camera_world = predicted_motion(frame.stamp) * last_->T_camera_world;
   const auto search = [&](double radius_px) {
     return search_last_frame(atlas, *last_, predicted, radius_px, options_.close_depth_m,
                              options_.match);
@@ -246,6 +284,7 @@ bool Tracker::track_local_map(const Atlas& atlas, TrackedFrame& frame, TrackResu
   }
   const PoseFromMatches pose = pose_from_matches(atlas.camera(), atlas.scales(), frame.features(),
                                                  frame.T_camera_world, matches, options_.pose);
+  local_matches_ = std::move(matches);
   result.inliers = static_cast<int>(pose.inliers.size());
   if (result.inliers < options_.min_local_inliers) return false;
   frame.points.assign(frame.points.size(), MapPointId{});
@@ -328,13 +367,14 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   T_camera_last_ = consecutive
                        ? std::optional(frame.T_camera_world * last_->T_camera_world.inverse())
                        : std::nullopt;
+  motion_interval_s_ = consecutive ? seconds_between(last_->stamp, frame.stamp) : 0;
   state_ = result.state = TrackingState::tracking;
   lost_since_.reset();
   last_reference_ = result.reference;
   T_reference_last_ = result.T_reference_camera;
   result.points = frame.points;
   StageTimer timer(result.times, "keyframe_decision");
-  if (!localization_only_ &&
+  if (!localization_only_ && is_believed(frame.stamp) &&
       needs_keyframe(situation(atlas, frame, result, mapper_idle), options_.keyframe)) {
     last_candidate_stamp_ = frame.stamp;
     result.candidate =
@@ -345,17 +385,132 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   return result;
 }
 
-TrackResult Tracker::finish_lost(TrackedFrame frame, TrackResult result) {
-  if (state_ == TrackingState::tracking) {
+SE3 Tracker::predicted_motion(Timestamp now) const {
+  if (!T_camera_last_) return {};
+  const double interval_s = seconds_between(last_->stamp, now);
+  if (motion_interval_s_ <= 0 || interval_s <= 0) return *T_camera_last_;
+  // Frames that were dropped make it longer; nobody keeps a speed for long.
+  constexpr double kLongest = 4.0;
+  const double intervals = std::min(kLongest, interval_s / motion_interval_s_);
+  return SE3::exp(intervals * T_camera_last_->log());
+}
+
+bool Tracker::moves_as_a_body(const TrackedFrame& frame) const {
+  const DoubtOptions& limits = options_.doubt;
+  const double interval_s = last_ ? seconds_between(last_->stamp, frame.stamp) : 0;
+  if (!limits.enabled || interval_s <= 0 || interval_s > limits.longest_s) return true;
+  constexpr double kSlack_m = 0.1;  // of a map that was corrected, of a pose that was rough
+  constexpr double kSlack_rad = 0.2;
+  const SE3 motion = frame.T_camera_world * last_->T_camera_world.inverse();
+  return motion.translation().norm() <= kSlack_m + limits.max_speed_m_s * interval_s &&
+         motion.angle_rad() <= kSlack_rad + limits.max_turn_rad_s * interval_s;
+}
+
+bool Tracker::doubt_lasts_too_long(Timestamp now) {
+  if (!doubted_since_) doubted_since_ = now;
+  return seconds_between(*doubted_since_, now) > options_.doubt.longest_s;
+}
+
+bool Tracker::is_believed(Timestamp now) {
+  constexpr double kSettle_s = 0.5;  // one good frame may be chance
+  if (doubted_since_ && !believed_since_) believed_since_ = now;
+  if (believed_since_ && seconds_between(*believed_since_, now) < kSettle_s) return false;
+  doubted_since_.reset();
+  believed_since_.reset();
+  doubt_.clear();
+  return true;
+}
+
+bool Tracker::depth_is_doubtful(const Atlas& atlas, TrackedFrame& frame) {
+  const DepthWatch::Verdict verdict =
+      depth_watch_.judge(atlas.camera(), atlas.scales(), frame.features(), frame.T_camera_world,
+                         local_matches_, options_.pose, doubted_since_.has_value());
+  if (!verdict.doubtful && frame.doubt.empty()) {
+    depth_watch_.learn(verdict);
+    return false;
+  }
+  if (doubt_lasts_too_long(frame.stamp)) {
+    log::warning("frame {}: doubt has lasted for {:g} s; the sensor is believed again", frame.index,
+                 options_.doubt.longest_s);
+    if (verdict.doubtful) depth_watch_.give_in(verdict);
+    return false;
+  }
+  if (verdict.colour.inliers.empty()) return false;
+  frame.points.assign(frame.points.size(), MapPointId{});
+  assign(verdict.colour, frame);
+  return verdict.doubtful;
+}
+
+TrackResult Tracker::finish_coasting(TrackedFrame frame, const Atlas& atlas, TrackResult result,
+                                     const std::string& doubt) {
+  // Where it was lost, or the colour image says something impossible too, nothing is certain.
+  if (state_ == TrackingState::lost || !moves_as_a_body(frame)) {
+    return finish_doubted(std::move(frame), atlas, std::move(result), doubt);
+  }
+  if (doubt_.empty()) {
+    log::warning("frame {}: coasting: {}; nothing of it enters the map", frame.index, doubt);
+  }
+  believed_since_.reset();
+  doubt_ = doubt;
+  result.state = TrackingState::coasting;
+  result.doubt = doubt;
+  result.points = frame.points;
+  result.reference = most_shared_keyframe(atlas, frame.points);
+  if (!result.reference.valid()) result.reference = last_reference_;
+  result.T_world_camera = frame.T_camera_world.inverse();
+  result.T_reference_camera =
+      atlas.at(result.reference).T_world_camera.inverse() * result.T_world_camera;
+  T_camera_last_ = frame.T_camera_world * last_->T_camera_world.inverse();
+  motion_interval_s_ = seconds_between(last_->stamp, frame.stamp);
+  last_reference_ = result.reference;
+  T_reference_last_ = result.T_reference_camera;
+  last_ = colour_only(std::move(frame));
+  return result;
+}
+
+TrackResult Tracker::finish_doubted(TrackedFrame frame, const Atlas& atlas, TrackResult result,
+                                    const std::string& doubt) {
+  result.inliers = 0;
+  const std::int64_t index = frame.index;
+  const bool first = doubt_.empty();
+  doubt_ = doubt;
+  doubt_lasts_too_long(frame.stamp);  // from now on
+  believed_since_.reset();
+  TrackResult lost = finish_lost(std::move(frame), atlas, std::move(result));
+  if (lost.state != TrackingState::lost) return lost;
+  if (first) log::warning("frame {}: coasting without a pose: {}", index, doubt);
+  lost.state = TrackingState::coasting;
+  lost.reference = KeyFrameId{};
+  lost.points.clear();
+  lost.doubt = doubt;
+  return lost;
+}
+
+bool Tracker::is_young(const Atlas& atlas) const {
+  const KeyFrame* keyframe = atlas.find(last_reference_);
+  if (!keyframe) return false;
+  int keyframes = 0;
+  atlas.keyframes().for_each([&](KeyFrameId, const KeyFrame& other) {
+    if (other.map == keyframe->map) ++keyframes;
+  });
+  return keyframes <= options_.young_map_keyframes;
+}
+
+TrackResult Tracker::finish_lost(TrackedFrame frame, const Atlas& atlas, TrackResult result) {
+  if (state_ == TrackingState::tracking && !doubted_since_) {
     log::warning("frame {}: tracking lost ({} points agree)", frame.index, result.inliers);
   }
   if (!lost_since_) lost_since_ = frame.stamp;
   state_ = result.state = TrackingState::lost;
   T_camera_last_.reset();
-  if (seconds_between(*lost_since_, frame.stamp) < options_.new_map_after_s) return result;
+  // A young map is worth no waiting; if it shows the same room it is welded later.
+  const bool young = !doubted_since_ && is_young(atlas);
+  const double wait_s = young ? 0 : options_.new_map_after_s;
+  if (seconds_between(*lost_since_, frame.stamp) < wait_s) return result;
   TrackResult fresh = initialize(std::move(frame));
   if (!fresh.candidate) return result;
-  log::info("frame {}: lost for too long, starting a new map", last_->index);
+  log::info("frame {}: {}, starting a new map", last_->index,
+            young ? "the map was young" : "lost for too long");
   state_ = TrackingState::initializing;
   lost_since_.reset();
   return fresh;

@@ -3,10 +3,12 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "ydd/base/timing.h"
+#include "ydd/tracking/depth_watch.h"
 #include "ydd/tracking/keyframe_policy.h"
 #include "ydd/tracking/pose_from_matches.h"
 #include "ydd/tracking/relocalization.h"
@@ -16,7 +18,8 @@ namespace ydd {
 enum class TrackingState {
   initializing,  ///< no map yet
   tracking,
-  lost,  ///< the map exists, the camera's place in it is unknown
+  coasting,  ///< what the sensor says is in doubt: nothing of it enters the map
+  lost,      ///< the map exists, the camera's place in it is unknown
 };
 std::string_view to_string(TrackingState state);
 
@@ -35,6 +38,8 @@ struct TrackerOptions {
   double close_depth_m = 3.0;
   int place_candidates = 5;
   double new_map_after_s = 3.0;
+  int young_map_keyframes = 5;
+  DoubtOptions doubt;
   void describe(OptionTable& table);
 };
 
@@ -55,8 +60,10 @@ struct KeyFrameCandidate {
 
 struct TrackResult {
   TrackingState state = TrackingState::initializing;
-  SE3 T_world_camera;    ///< valid when tracking
-  KeyFrameId reference;  ///< valid when tracking, except for the frame that starts a map
+  SE3 T_world_camera;    ///< valid when the reference is
+  KeyFrameId reference;  ///< valid when tracking, except for the frame that starts a map; when
+                         ///< coasting, where the colour image alone tells the pose
+  std::string doubt;     ///< why it coasts
   SE3 T_reference_camera;
   int motion_inliers = 0;          ///< points that agree with the first pose estimate
   int inliers = 0;                 ///< map points that agree with the final pose
@@ -67,6 +74,9 @@ struct TrackResult {
 };
 
 /// Follows the camera from frame to frame against the newest map.
+///
+/// A frame whose depth contradicts the map is followed by its colour alone, and neither it nor a
+/// pose that no body reaches enters the map (docs/never-lost.md).
 ///
 /// One frame: predict the pose -> find the last frame's points near it -> pose -> find the local
 /// map's points -> pose -> decide whether to keep the frame. Owns nothing of the map: it reads the
@@ -95,6 +105,8 @@ class Tracker {
     int found = 0;
   };
 
+  bool find_pose(const Atlas& atlas, TrackedFrame& frame, TrackResult& result);
+  TrackResult judge(TrackedFrame frame, const Atlas& atlas, TrackResult result, bool mapper_idle);
   TrackResult initialize(TrackedFrame frame);
   bool adopt_first_keyframe(const Atlas& atlas);
   std::vector<KeyFrameId> similar_places(const TrackedFrame& frame, const Atlas& atlas) const;
@@ -115,14 +127,30 @@ class Tracker {
                               const TrackResult& result, bool mapper_idle) const;
   TrackResult finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
                              bool mapper_idle);
-  TrackResult finish_lost(TrackedFrame frame, TrackResult result);
+  TrackResult finish_coasting(TrackedFrame frame, const Atlas& atlas, TrackResult result,
+                              const std::string& doubt);
+  TrackResult finish_lost(TrackedFrame frame, const Atlas& atlas, TrackResult result);
+  TrackResult finish_doubted(TrackedFrame frame, const Atlas& atlas, TrackResult result,
+                             const std::string& doubt);
+  bool moves_as_a_body(const TrackedFrame& frame) const;
+  bool depth_is_doubtful(const Atlas& atlas, TrackedFrame& frame);
+  bool doubt_lasts_too_long(Timestamp now);
+  bool is_believed(Timestamp now);
+  SE3 predicted_motion(Timestamp now) const;
+  bool is_young(const Atlas& atlas) const;
 
   TrackerOptions options_;
   TrackingState state_ = TrackingState::initializing;
   std::optional<TrackedFrame> last_;  ///< the last frame with a pose
   KeyFrameId last_reference_;
   SE3 T_reference_last_;
-  std::optional<SE3> T_camera_last_;  ///< velocity: motion over the last frame interval
+  std::optional<SE3> T_camera_last_;  ///< velocity: motion over the last frame interval, ...
+  double motion_interval_s_ = 0;      ///< ... which took so long
+  DepthWatch depth_watch_;
+  std::vector<PointMatch> local_matches_;  ///< of this frame, also those that the pose left out
+  std::string doubt_;                      ///< the newest reason; empty: none
+  std::optional<Timestamp> doubted_since_;
+  std::optional<Timestamp> believed_since_;  ///< after doubt
   Timestamp last_candidate_stamp_;
   std::optional<Timestamp> lost_since_;
   bool localization_only_ = false;

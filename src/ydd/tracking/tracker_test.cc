@@ -212,9 +212,22 @@ TEST(Tracker, IsLostWithoutFeaturesAndFindsItselfAgain) {
   EXPECT_EQ(walk.step().state, TrackingState::tracking);
 }
 
+TEST(Tracker, AYoungMapThatIsLostIsNotWaitedFor) {
+  TrackerOptions options;
+  options.new_map_after_s = 3600;
+  Walk walk(options);
+  walk.step();  // the one picture of the map is a stale one
+  const TrackResult fresh = walk.step_elsewhere();
+  EXPECT_EQ(fresh.state, TrackingState::tracking);
+  ASSERT_TRUE(fresh.candidate.has_value());
+  EXPECT_FALSE(fresh.candidate->reference.valid());
+  EXPECT_EQ(walk.step_elsewhere().state, TrackingState::tracking);
+}
+
 TEST(Tracker, StartsAnotherMapWhenLostForTooLong) {
   TrackerOptions options;
   options.new_map_after_s = 0.19;  // six frames
+  options.young_map_keyframes = 0;
   Walk walk(options);
   for (int i = 0; i < 10; ++i) walk.step();
   for (int i = 0; i < 6; ++i) {

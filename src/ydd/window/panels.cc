@@ -104,6 +104,8 @@ Mood mood_of(const LiveFrame& live) {
   switch (live.report->track.state) {
     case TrackingState::tracking:
       return {"TRACKING", scene_colour::kTracking};
+    case TrackingState::coasting:
+      return {"COASTING", {255, 200, 60, 255}};
     case TrackingState::lost:
       return {"LOST", scene_colour::kLost};
     case TrackingState::initializing:
