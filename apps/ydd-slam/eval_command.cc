@@ -24,6 +24,7 @@ struct EvalArguments {
   double max_difference_s = 0.02;
   double rpe_delta = 1.0;
   std::string rpe_unit = "s";
+  bool rpe_benchmark = false;
 };
 
 EvaluationOptions options_of(const EvalArguments& arguments) {
@@ -31,6 +32,8 @@ EvaluationOptions options_of(const EvalArguments& arguments) {
   options.ate.max_difference_s = arguments.max_difference_s;
   options.ate.scale = arguments.scale ? AlignmentScale::estimated : AlignmentScale::fixed;
   options.rpe.delta = arguments.rpe_delta;
+  options.rpe.max_difference_s = arguments.max_difference_s;
+  options.rpe.benchmark_matching = arguments.rpe_benchmark;
   options.rpe.unit = arguments.rpe_unit == "frames" ? RpeUnit::frames : RpeUnit::seconds;
   return options;
 }
@@ -87,6 +90,9 @@ void add_eval_command(CLI::App& app, Job& job) {
   command->add_option("--rpe-unit", arguments->rpe_unit, "Unit of the interval")
       ->check(CLI::IsMember({"s", "frames"}))
       ->capture_default_str();
+  command->add_flag("--rpe-benchmark-matching", arguments->rpe_benchmark,
+                    "Pair poses and truth for the RPE as TUM's script does, whatever "
+                    "--max-difference says");
   command->footer(
       "Examples:\n"
       "  ydd-slam eval fr1_xyz/groundtruth.txt runs/latest/trajectory.tum\n"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/dataset/trajectory.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -16,26 +17,60 @@ namespace {
 
 constexpr std::size_t kNumbers = 7;  // of a pose
 
+/// Where a row has time and tx ty tz qx qy qz qw.
+struct PoseColumns {
+  std::size_t stamp = 0;
+  std::array<std::size_t, kNumbers> numbers{1, 2, 3, 4, 5, 6, 7};
+  std::size_t fields = kNumbers + 1;  ///< that a row has
+};
+
+/// By the names of the header where it has them all, else by the order of the format: TUM's, or
+/// EuRoC's (qw first) for whole nanoseconds.
+PoseColumns pose_columns(const TextTable& table) {
+  PoseColumns out;
+  const std::array<std::optional<std::size_t>, kNumbers> named = {
+      find_column(table, {"tx", "p_x", "px", "x"}),
+      find_column(table, {"ty", "p_y", "py", "y"}),
+      find_column(table, {"tz", "p_z", "pz", "z"}),
+      find_column(table, {"qx", "q_x"}),
+      find_column(table, {"qy", "q_y"}),
+      find_column(table, {"qz", "q_z"}),
+      find_column(table, {"qw", "q_w"})};
+  if (std::all_of(named.begin(), named.end(), [](const auto& column) { return column; })) {
+    for (std::size_t i = 0; i < kNumbers; ++i) out.numbers[i] = *named[i];
+    out.fields = table.columns.size();
+    return out;
+  }
+  constexpr std::size_t kNanosecondDigits = 17;
+  const std::string_view first = table.rows.empty() ? "" : table.rows.front().fields.front();
+  if (first.size() >= kNanosecondDigits && first.find('.') == std::string_view::npos) {
+    out.numbers = {1, 2, 3, 5, 6, 7, 4};
+  }
+  return out;
+}
+
 Result<std::array<double, kNumbers>> parse_numbers(const std::filesystem::path& file,
-                                                   const TextRow& row) {
+                                                   const TextRow& row, const PoseColumns& columns) {
   std::array<double, kNumbers> numbers{};
   for (std::size_t i = 0; i < kNumbers; ++i) {
-    std::string_view text = row.fields[i + 1];
+    std::string_view text = row.fields[columns.numbers[i]];
     if (text.starts_with('+')) text.remove_prefix(1);
     const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), numbers[i]);
     const bool is_number = code == std::errc() && end == text.data() + text.size();
     if (!is_number || !std::isfinite(numbers[i])) {
-      return row_error(file, row, fmt::format("'{}' is not a number", row.fields[i + 1]));
+      return row_error(file, row,
+                       fmt::format("'{}' is not a number", row.fields[columns.numbers[i]]));
     }
   }
   return numbers;
 }
 
-Result<SE3> parse_pose(const std::filesystem::path& file, const TextRow& row) {
-  if (row.fields.size() != kNumbers + 1) {
+Result<SE3> parse_pose(const std::filesystem::path& file, const TextRow& row,
+                       const PoseColumns& columns) {
+  if (row.fields.size() != columns.fields) {
     return row_error(file, row, "expected 'timestamp tx ty tz qx qy qz qw', found " + quoted(row));
   }
-  const auto n = parse_numbers(file, row);
+  const auto n = parse_numbers(file, row, columns);
   if (!n) return n.error();
   const Eigen::Quaterniond q((*n)[6], (*n)[3], (*n)[4], (*n)[5]);
   constexpr double kRounding = 0.01;  // ground truth has four decimals
@@ -91,14 +126,15 @@ std::optional<TrajectoryFormat> parse_trajectory_format(std::string_view name) {
 }
 
 Result<StampedPoses> read_tum_trajectory(const std::filesystem::path& file) {
-  const Result<std::vector<TextRow>> rows = read_text_table(file);
-  if (!rows) return rows.error();
+  const Result<TextTable> table = read_text_table(file);
+  if (!table) return table.error();
+  const PoseColumns columns = pose_columns(*table);
   StampedPoses poses;
-  poses.reserve(rows->size());
-  for (const TextRow& row : *rows) {
-    const auto pose = parse_pose(file, row);
+  poses.reserve(table->rows.size());
+  for (const TextRow& row : table->rows) {
+    const auto pose = parse_pose(file, row, columns);
     if (!pose) return pose.error();
-    const auto stamp = row_stamp(file, row, poses.empty() ? nullptr : &poses.back().stamp);
+    const auto stamp = row_stamp(file, *table, row, poses.empty() ? nullptr : &poses.back().stamp);
     if (!stamp) return stamp.error();
     poses.push_back({*stamp, *pose});
   }

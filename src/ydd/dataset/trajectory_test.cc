@@ -38,6 +38,45 @@ SE3 quarter_turn() {
   return {Eigen::Quaterniond(std::sqrt(0.5), 0, 0, std::sqrt(0.5)), {1.0, -2.0, 0.25}};
 }
 
+TEST_F(TrajectoryTest, ReadsWhatOthersWrite) {
+  const std::string tum = "1700000000.5 1 2 3 0 0 0.6 0.8\n";
+  const StampedPoses expected = read(tum).value();
+  const std::string all[] = {
+      "1700000000.5,1,2,3,0,0,0.6,0.8\n",
+      "1700000000.5; 1; 2; 3; 0; 0; 0.6; 0.8\r\n",
+      "\xEF\xBB\xBF# timestamp tx ty tz qx qy qz qw\n" + tum,
+      "timestamp,tx,ty,tz,qw,qx,qy,qz\n1700000000.5,1,2,3,0.8,0,0,0.6\n",
+      "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n"
+      "1700000000500000000,1,2,3,0.8,0,0,0.6\n",
+      "1700000000500000000,1,2,3,0.8,0,0,0.6\n",
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+      "q_RS_z [], v_RS_R_x [m s^-1]\n1700000000500000000,1,2,3,0.8,0,0,0.6,9\n",
+  };
+  for (const std::string& text : all) {
+    const auto poses = read(text);
+    ASSERT_TRUE(poses.ok()) << text << poses.error().message;
+    ASSERT_EQ(poses->size(), 1U) << text;
+    EXPECT_EQ(poses->front().stamp, expected.front().stamp) << text;
+    EXPECT_TRUE(
+        poses->front().T_world_camera.matrix().isApprox(expected.front().T_world_camera.matrix()))
+        << text;
+  }
+}
+
+TEST_F(TrajectoryTest, ReadsWhatItWritesAsEuroc) {
+  const StampedPoses poses = {{{1305031102'175304001}, quarter_turn()}};
+  const auto again = read(format_trajectory(poses, TrajectoryFormat::euroc));
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  EXPECT_EQ(again->front().stamp, poses.front().stamp);
+  EXPECT_TRUE(again->front().T_world_camera.matrix().isApprox(quarter_turn().matrix(), 1e-6));
+}
+
+TEST_F(TrajectoryTest, OtherUnitsAndEncodingsAreNamed) {
+  EXPECT_THAT(read_error("1700000000500 1 2 3 0 0 0 1\n"), HasSubstr("milliseconds"));
+  EXPECT_THAT(read_error("1700000000500000 1 2 3 0 0 0 1\n"), HasSubstr("microseconds"));
+  EXPECT_THAT(read_error(std::string("\xFF\xFE", 2) + "1"), HasSubstr("UTF-16"));
+}
+
 TEST_F(TrajectoryTest, WritesNineDecimalsInEachFormat) {
   const StampedPoses poses = {{{1305031102'175304001}, quarter_turn()}};
   EXPECT_EQ(format_trajectory(poses, TrajectoryFormat::tum),

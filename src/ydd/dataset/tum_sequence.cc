@@ -29,15 +29,15 @@ Result<StampedFiles> read_list(const fs::path& folder, const std::string& name) 
         "{}: has no {}; a sequence is a folder with rgb.txt and depth.txt (TUM RGB-D layout)",
         folder.string(), name)};
   }
-  const Result<std::vector<TextRow>> rows = read_text_table(list);
-  if (!rows) return rows.error();
+  const Result<TextTable> table = read_text_table(list);
+  if (!table) return table.error();
   StampedFiles result;
-  for (const TextRow& row : *rows) {
+  for (const TextRow& row : table->rows) {
     if (row.fields.size() != 2) {
       return row_error(list, row, "expected 'timestamp file', found " + quoted(row));
     }
     const auto stamp =
-        row_stamp(list, row, result.stamps.empty() ? nullptr : &result.stamps.back());
+        row_stamp(list, *table, row, result.stamps.empty() ? nullptr : &result.stamps.back());
     if (!stamp) return stamp.error();
     result.stamps.push_back(*stamp);
     result.files.push_back(folder / row.fields[1]);
@@ -73,19 +73,18 @@ Result<std::vector<SequenceEntry>> pair_by_time(const fs::path& folder, double m
 }
 
 Result<std::vector<SequenceEntry>> read_associations(const fs::path& folder, const fs::path& file) {
-  const Result<std::vector<TextRow>> rows = read_text_table(file);
-  if (!rows) return rows.error();
+  const Result<TextTable> table = read_text_table(file);
+  if (!table) return table.error();
   std::vector<SequenceEntry> entries;
-  for (const TextRow& row : *rows) {
+  for (const TextRow& row : table->rows) {
     if (row.fields.size() != 4) {
       return row_error(file, row, "expected 'timestamp file timestamp file', found " + quoted(row));
     }
-    const auto stamp = row_stamp(file, row, entries.empty() ? nullptr : &entries.back().stamp);
+    const auto stamp =
+        row_stamp(file, *table, row, entries.empty() ? nullptr : &entries.back().stamp);
     if (!stamp) return stamp.error();
-    const auto depth_stamp = parse_timestamp(row.fields[2]);
-    if (!depth_stamp) {
-      return row_error(file, row, fmt::format("'{}' is not a time in seconds", row.fields[2]));
-    }
+    const auto depth_stamp = field_stamp(file, *table, row, 2);
+    if (!depth_stamp) return depth_stamp.error();
     entries.push_back({*stamp, *depth_stamp, folder / row.fields[1], folder / row.fields[3]});
   }
   if (entries.empty()) return Error{fmt::format("{}: lists no image", file.string())};

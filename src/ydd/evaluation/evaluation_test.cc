@@ -138,7 +138,22 @@ TEST(Rpe, PosesFarFromGroundTruthAreLeftOut) {
   StampedPoses truth = estimate;
   truth.erase(truth.begin() + 20, truth.begin() + 30);  // spacing 0.1 s: 0.2 s is near enough
   // Without truth: poses 22 to 27; as first or second of a pair that is 12 of 49.
-  EXPECT_EQ(relative_pose_error(truth, estimate).translation_m.count, 37U);
+  const RpeOptions benchmark{.benchmark_matching = true};
+  EXPECT_EQ(relative_pose_error(truth, estimate, benchmark).translation_m.count, 37U);
+  // Poses 20 to 29, where a true pose has to be near in time.
+  EXPECT_EQ(relative_pose_error(truth, estimate).translation_m.count, 29U);
+}
+
+TEST(Rpe, SparseTruthIsNoError) {
+  const StampedPoses estimate = path(60);
+  StampedPoses truth;
+  for (std::size_t i = 0; i < estimate.size(); i += 5) truth.push_back(estimate[i]);
+  const RpeResult exact = relative_pose_error(truth, estimate);
+  EXPECT_GT(exact.translation_m.count, 5U);
+  EXPECT_LT(exact.translation_m.max, 1e-9);
+  const RpeResult benchmark = relative_pose_error(truth, estimate, {.benchmark_matching = true});
+  EXPECT_GT(benchmark.translation_m.count, 2 * exact.translation_m.count);
+  EXPECT_GT(benchmark.translation_m.max, 1e-3);  // the camera's own motion
 }
 
 TEST(Rpe, NothingWhenTooShort) {

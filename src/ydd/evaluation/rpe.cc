@@ -37,10 +37,11 @@ SE3 scaled(const SE3& motion, double scale) {
 /// Finds the pose that is nearest in time, if it is near enough.
 class NearestPose {
  public:
-  explicit NearestPose(const StampedPoses& poses)
+  NearestPose(const StampedPoses& poses, const RpeOptions& options)
       : poses_(poses),
         stamps_(stamps_of(poses)),
-        max_distance_ns_(2 * median_spacing_ns(stamps_)) {}
+        max_distance_ns_(options.benchmark_matching ? 2 * median_spacing_ns(stamps_)
+                                                    : 1e9 * options.max_difference_s) {}
 
   const SE3* find(Timestamp stamp) const {
     if (stamps_.empty()) return nullptr;
@@ -60,7 +61,7 @@ class NearestPose {
 RpeResult relative_pose_error(const StampedPoses& groundtruth, const StampedPoses& estimate,
                               const RpeOptions& options) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
-  const NearestPose truth(groundtruth);
+  const NearestPose truth(groundtruth, options);
   const std::vector<Timestamp> stamps = stamps_of(estimate);
   RpeResult result;
   for (std::size_t i = 0; i < estimate.size(); ++i) {

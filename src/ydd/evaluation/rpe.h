@@ -14,6 +14,11 @@ enum class RpeUnit { seconds, frames };
 struct RpeOptions {
   double delta = 1.0;  ///< in `unit`; a whole number of frames
   RpeUnit unit = RpeUnit::seconds;
+  /// A pose and the truth nearest in time are no pair when they are farther apart.
+  double max_difference_s = 0.02;
+  /// The benchmark's own rule instead: twice the median spacing of the truth, which takes the
+  /// camera's motion between two sparse true poses for an error.
+  bool benchmark_matching = false;
   double scale = 1.0;  ///< applied to the estimated motion, for Sim(3) evaluations
 };
 
@@ -28,11 +33,12 @@ struct RpeResult {
 
 /// Each estimated pose is paired with the one nearest to `delta` later (pairs that would end on the
 /// last pose are left out: past it there is nothing to be near to), and each of the two with the
-/// ground truth nearest in time, which must be no farther than twice the median spacing of ground
-/// truth. Empty result when no pair remains.
+/// ground truth nearest in time, which must be no farther than `max_difference_s`. Empty result
+/// when no pair remains.
 ///
 /// Source: J. Sturm et al., A benchmark for the evaluation of RGB-D SLAM systems, IROS 2012,
-/// eq. (2)-(4): same pairs, same figures as the benchmark's tool with fixed delta.
+/// eq. (2)-(4): same pairs, same figures as the benchmark's tool with fixed delta where
+/// the truth is dense (100 Hz), and always with `benchmark_matching`.
 RpeResult relative_pose_error(const StampedPoses& groundtruth, const StampedPoses& estimate,
                               const RpeOptions& options = {});
 
