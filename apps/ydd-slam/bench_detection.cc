@@ -5,6 +5,7 @@
 #include "bench.h"
 #include "run_job.h"
 #include "ydd/base/files.h"
+#include "ydd/base/json_text.h"
 #include "ydd/base/timing.h"
 #include "ydd/evaluation/ate.h"
 
@@ -103,7 +104,8 @@ Result<std::string> bench_detection(const BenchRequest& request, const fs::path&
     }
   }
   if (!request.out.empty()) {
-    if (auto r = write_file_atomically(request.out, json.dump(2) + "\n"); !r) return r.error();
+    if (auto r = write_file_atomically(request.out, json_text(json, 2) + "\n"); !r)
+      return r.error();
   }
   return table;
 }

@@ -4,6 +4,7 @@
 
 #include "bench.h"
 #include "ydd/base/files.h"
+#include "ydd/base/json_text.h"
 #include "ydd/base/timing.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/dataset/frame_source.h"
@@ -146,7 +147,8 @@ Result<std::string> bench_dynamics(const BenchRequest& request, const fs::path& 
     }
   }
   if (!request.out.empty()) {
-    if (auto r = write_file_atomically(request.out, json.dump(2) + "\n"); !r) return r.error();
+    if (auto r = write_file_atomically(request.out, json_text(json, 2) + "\n"); !r)
+      return r.error();
   }
   return table;
 }

@@ -2,6 +2,7 @@
 #include "bench_seeds.h"
 
 #include "ydd/base/files.h"
+#include "ydd/base/json_text.h"
 
 namespace ydd::app {
 
@@ -26,7 +27,8 @@ bool is_wanted(const SeedRequest& request, const std::string& name) {
 Result<std::string> table_and_json(std::string table, const nlohmann::ordered_json& json,
                                    const SeedRequest& request) {
   if (!request.out.empty()) {
-    if (auto r = write_file_atomically(request.out, json.dump(2) + "\n"); !r) return r.error();
+    if (auto r = write_file_atomically(request.out, json_text(json, 2) + "\n"); !r)
+      return r.error();
   }
   return table;
 }

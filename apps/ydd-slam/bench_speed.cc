@@ -8,6 +8,7 @@
 #include "default_detector.h"
 #include "energy.h"
 #include "ydd/base/files.h"
+#include "ydd/base/json_text.h"
 #include "ydd/base/log.h"
 #include "ydd/base/timing.h"
 #include "ydd/dataset/camera_file.h"
@@ -220,7 +221,8 @@ Result<std::string> bench_speed(const BenchRequest& request, const fs::path& scr
     }
   }
   if (!request.out.empty()) {
-    if (auto r = write_file_atomically(request.out, json.dump(2) + "\n"); !r) return r.error();
+    if (auto r = write_file_atomically(request.out, json_text(json, 2) + "\n"); !r)
+      return r.error();
   }
   std::string text = tables.runs + "\n" + tables.stages;
   if (!request.against.empty()) text += "\n" + tables.ratios;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "map_jobs.h"
+#include "ydd/base/json_text.h"
 #include "ydd/map/map_file.h"
 
 namespace ydd::app {
@@ -115,7 +116,7 @@ Result<void> map_info(const MapInfoRequest& request) {
   if (!atlas) return atlas.error();
   const std::vector<MapInfo> maps = describe_maps(*atlas);
   if (request.json) {
-    fmt::print("{}\n", json_of(*atlas, request.file, maps).dump(2));
+    fmt::print("{}\n", json_text(json_of(*atlas, request.file, maps), 2));
   } else {
     fmt::print("{}", text_of(*atlas, request.file, maps));
   }

@@ -6,6 +6,7 @@
 
 #include "ydd/base/files.h"
 #include "ydd/base/json_reader.h"
+#include "ydd/base/json_text.h"
 
 namespace ydd::app {
 namespace {
@@ -58,7 +59,7 @@ Result<void> write_moments(const fs::path& run, const std::vector<FrameMoment>& 
                     {"wide", m.moment.wide},
                     {"file", name}});
   }
-  return write_file_atomically(folder / kList, list.dump(1) + "\n");
+  return write_file_atomically(folder / kList, json_text(list, 1) + "\n");
 }
 
 std::vector<KeyMoment> read_moments(const fs::path& run) {

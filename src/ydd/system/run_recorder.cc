@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "ydd/base/json_text.h"
 #include "ydd/base/version.h"
 
 namespace ydd {
@@ -174,7 +175,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"peak_resident_mb", peak_resident_mb()},
       {"stage_median_cpu_ms", medians},
   };
-  return out.dump(2) + "\n";
+  return json_text(out, 2) + "\n";
 }
 
 std::string RunRecorder::timings_json(const SlamSystem& system) const {
@@ -186,7 +187,7 @@ std::string RunRecorder::timings_json(const SlamSystem& system) const {
       {"series",
        {{"per_frame", series_to_json(stages_)}, {"per_keyframe", series_to_json(mapper)}}},
   };
-  return out.dump(1) + "\n";
+  return json_text(out, 1) + "\n";
 }
 
 std::string RunRecorder::frames_json() const {
@@ -218,7 +219,7 @@ std::string RunRecorder::frames_json() const {
       {"total_wall_ms", stage("total", &StageTime::wall_ms)},
       {"stages_cpu_ms", stages},
   };
-  return out.dump() + "\n";
+  return json_text(out) + "\n";
 }
 
 }  // namespace ydd

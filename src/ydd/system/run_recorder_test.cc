@@ -72,6 +72,16 @@ TEST(RunRecorder, SummaryTellsWhatHappened) {
   }
 }
 
+TEST(RunRecorder, NamesThatAreNotUtf8AreWrittenWithAMark) {
+  Recorded r;
+  r.recorder.add_skipped(9, "rgb/\xff.png: broken");
+  const RunDescription run{"room\xff", "full", "boxes\xc3.jsonl", true, false, 7};
+  const json s = json::parse(r.recorder.summary_json(run, r.system, 2.0));
+  EXPECT_EQ(s.at("sequence"), "room\ufffd");
+  EXPECT_EQ(s.at("detector"), "boxes\ufffd.jsonl");
+  EXPECT_EQ(s.at("frames_skipped").at(1).at("reason"), "rgb/\ufffd.png: broken");
+}
+
 TEST(RunRecorder, TimingsHoldStatisticsAndSeries) {
   const Recorded r;
   EXPECT_EQ(r.timings.at("unit"), "ms");

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "ydd/base/json_text.h"
 #include "ydd/evaluation/ate.h"
 #include "ydd/viewer/annotate.h"
 #include "ydd/viewer/map_from_above.h"
@@ -24,9 +25,7 @@ constexpr std::size_t kMostPoses = 4000;
 constexpr std::size_t kRecent = 300;
 constexpr std::int64_t kGap_ns = 500'000'000;
 
-std::string text_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string text_of(const Json& json) { return json_text(json); }
 
 double rounded(double value, double per_unit) { return std::round(value * per_unit) / per_unit; }
 
