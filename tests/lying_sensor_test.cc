@@ -119,8 +119,8 @@ class LyingSensor : public testing::TestWithParam<Case> {
     const Stretch stretch{first, first + static_cast<std::size_t>(GetParam().frames) - 1};
     make_faulty(sequence, folder / "faulty", GetParam().fault, stretch);
     if (HasFatalFailure()) return;
-    options.insert(options.begin(), {"run", folder / "faulty", "--out", folder / "o", "--quiet",
-                                     "--deterministic"});
+    options.insert(options.begin(),
+                   {"run", folder / "faulty", "--out", folder / "o", "--quiet", "--deterministic"});
     const Outcome outcome = ydd_slam(options);
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const json frames = json::parse(read_file(folder / "o/frames.json").value());

@@ -103,6 +103,9 @@ void add_eval_command(CLI::App& app, Job& job) {
     if (arguments->rpe_unit == "frames" && !whole) {
       throw CLI::ValidationError("--rpe-delta", "must be a whole number of frames");
     }
+    if (!std::isfinite(arguments->max_difference_s) || !std::isfinite(arguments->rpe_delta)) {
+      throw CLI::ValidationError("--max-difference, --rpe-delta", "must be numbers");
+    }
     job = [arguments] { return run_eval(*arguments); };
   });
 }

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "default_detector.h"
 #include "ydd/base/log.h"
 #include "ydd/dataset/camera_file.h"
@@ -41,7 +43,12 @@ Result<Configuration> effective_configuration(const RunRequest& request) {
   for (const std::string& assignment : request.set) {
     if (auto r = table.set_assignment(assignment, "--set"); !r) return r.error();
   }
-  if (request.max_difference_s) out.sequence.max_difference_s = *request.max_difference_s;
+  if (request.max_difference_s) {
+    const std::string value = fmt::format("{}", *request.max_difference_s);
+    if (auto r = table.set("sequence.max_difference", value, "--max-difference"); !r) {
+      return r.error();
+    }
+  }
   if (request.first_frame) out.sequence.first_frame = *request.first_frame;
   if (request.max_frames) out.sequence.max_frames = *request.max_frames;
   if (request.associations) {  // the configuration may be fed back in another folder

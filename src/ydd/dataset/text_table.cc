@@ -5,6 +5,8 @@
 #include <cctype>
 #include <charconv>
 #include <cstdint>
+#include <cstdlib>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -61,7 +63,10 @@ bool take_header(std::string_view line, TextTable& table) {
                                                 columns[0] == "stamp" || columns[0] == "t");
   if (!is_header) return false;
   table.columns = std::move(columns);
-  table.nanoseconds = names[0].find("[ns]") != std::string::npos;
+  for (const auto& [unit, ns] : {std::pair{"[s]", 1'000'000'000}, std::pair{"[ms]", 1'000'000},
+                                 std::pair{"[us]", 1'000}, std::pair{"[ns]", 1}}) {
+    if (names[0].find(unit) != std::string::npos) table.unit_ns = ns;
+  }
   return true;
 }
 
@@ -86,11 +91,13 @@ Result<TextTable> read_text_table(const std::filesystem::path& file) {
   for (int number = 1; std::getline(stream, line); ++number) {
     const std::string_view content = trimmed(line);
     if (content.empty()) continue;
+    const bool first = table.rows.empty();  // what stands between rows is no header
     if (content.front() == '#') {
-      take_header(content, table);
+      if (first) take_header(content, table);
       continue;
     }
-    if (table.rows.empty() && table.columns.empty() && take_header(content, table)) continue;
+    if (first && table.columns.empty() && take_header(content, table)) continue;
+    if (first) table.commas = has_comma(content);
     TextRow row{split(content, " \t\r\f\v,;"), number};
     if (!row.fields.empty()) table.rows.push_back(std::move(row));
   }
@@ -121,15 +128,28 @@ Result<Timestamp> field_stamp(const std::filesystem::path& file, const TextTable
   constexpr std::size_t kNanosecondDigits = 17;  // since 1973; seconds have 10 in this century
   constexpr std::size_t kMicrosecondDigits = 15;
   constexpr std::size_t kMillisecondDigits = 12;
+  constexpr std::size_t kMostDigits = 19;
+  constexpr std::int64_t kSecond_ns = 1'000'000'000;
   const std::string& text = row.fields[field];
-  const bool whole = text.find_first_not_of("0123456789") == std::string::npos;
-  if (whole && (table.nanoseconds || text.size() >= kNanosecondDigits)) {
-    std::int64_t ns = 0;
-    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), ns);
-    if (code == std::errc()) return Timestamp{ns};
+  const std::size_t sign = text.starts_with('-') ? 1 : 0;
+  const std::size_t digits = text.size() - sign;
+  const bool whole = digits > 0 && text.find_first_not_of("0123456789", sign) == std::string::npos;
+  const bool other_unit = table.unit_ns != 0 && table.unit_ns != kSecond_ns;
+  if (other_unit && !whole) {
+    return row_error(file, row,
+                     fmt::format("'{}' is not a whole number of the header's unit", text));
   }
-  if (whole && text.size() >= kMillisecondDigits) {
-    const char* const unit = text.size() >= kMicrosecondDigits ? "microseconds" : "milliseconds";
+  if (whole && digits <= kMostDigits && (other_unit || digits >= kNanosecondDigits)) {
+    const std::int64_t unit_ns = other_unit ? table.unit_ns : 1;
+    std::int64_t count = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), count);
+    if (code == std::errc() &&
+        std::abs(count) <= std::numeric_limits<std::int64_t>::max() / unit_ns) {
+      return Timestamp{count * unit_ns};
+    }
+  }
+  if (whole && digits >= kMillisecondDigits && digits < kNanosecondDigits) {
+    const char* const unit = digits >= kMicrosecondDigits ? "microseconds" : "milliseconds";
     return row_error(file, row,
                      fmt::format("'{}' is not a time in seconds; it looks like {}: write seconds, "
                                  "or nanoseconds below a header with '[ns]'",

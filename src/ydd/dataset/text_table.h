@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <optional>
@@ -23,7 +24,8 @@ struct TextRow {
 struct TextTable {
   std::vector<TextRow> rows;
   std::vector<std::string> columns;  ///< names of a header, in small letters, without units
-  bool nanoseconds = false;          ///< the header says so of the first column
+  std::int64_t unit_ns = 0;          ///< of the first column, as the header says; 0: it does not
+  bool commas = false;               ///< between the fields of the first row
 };
 
 /// The lines of a text file, split at blanks, commas and semicolons; quotes around a field go.

@@ -17,15 +17,14 @@ namespace {
 
 constexpr std::size_t kNumbers = 7;  // of a pose
 
-/// Where a row has time and tx ty tz qx qy qz qw.
+/// Where a row, which begins with the time, has tx ty tz qx qy qz qw.
 struct PoseColumns {
-  std::size_t stamp = 0;
   std::array<std::size_t, kNumbers> numbers{1, 2, 3, 4, 5, 6, 7};
   std::size_t fields = kNumbers + 1;  ///< that a row has
 };
 
 /// By the names of the header where it has them all, else by the order of the format: TUM's, or
-/// EuRoC's (qw first) for whole nanoseconds.
+/// EuRoC's (qw first) for whole nanoseconds between commas.
 PoseColumns pose_columns(const TextTable& table) {
   PoseColumns out;
   const std::array<std::optional<std::size_t>, kNumbers> named = {
@@ -43,7 +42,8 @@ PoseColumns pose_columns(const TextTable& table) {
   }
   constexpr std::size_t kNanosecondDigits = 17;
   const std::string_view first = table.rows.empty() ? "" : table.rows.front().fields.front();
-  if (first.size() >= kNanosecondDigits && first.find('.') == std::string_view::npos) {
+  if (table.commas && first.size() >= kNanosecondDigits &&
+      first.find('.') == std::string_view::npos) {
     out.numbers = {1, 2, 3, 5, 6, 7, 4};
   }
   return out;

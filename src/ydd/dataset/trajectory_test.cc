@@ -49,9 +49,16 @@ TEST_F(TrajectoryTest, ReadsWhatOthersWrite) {
       "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n"
       "1700000000500000000,1,2,3,0.8,0,0,0.6\n",
       "1700000000500000000,1,2,3,0.8,0,0,0.6\n",
+      "1700000000500000000 1 2 3 0 0 0.6 0.8\n",
+      "timestamp [us],tx,ty,tz,qx,qy,qz,qw\n1700000000500000,1,2,3,0,0,0.6,0.8\n",
       "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
       "q_RS_z [], v_RS_R_x [m s^-1]\n1700000000500000000,1,2,3,0.8,0,0,0.6,9\n",
   };
+  const auto early = read(
+      "#t [ns],x,y,z,qx,qy,qz,qw\n-500000000,1,2,3,0,0,0,1\n# t of the next\n"
+      "0,1,2,3,0,0,0,1\n");
+  ASSERT_TRUE(early.ok()) << early.error().message;
+  EXPECT_EQ(early->front().stamp.ns, -500000000);
   for (const std::string& text : all) {
     const auto poses = read(text);
     ASSERT_TRUE(poses.ok()) << text << poses.error().message;

@@ -46,10 +46,9 @@ DepthWatch::Verdict DepthWatch::judge(const Camera& camera, const PyramidScales&
   std::nth_element(off_per_m.begin(), middle, off_per_m.end());
   verdict.off_per_m = *middle;
   // Before it is known what is usual, only what no sensor gives is doubted.
-  const double limit_per_m =
-      learnt_ < kToLearn
-          ? kNoSensor_per_m
-          : std::max(options_.depth_floor_per_m, options_.depth_factor * usual_per_m_);
+  const double limit_per_m = learnt_ < kToLearn ? kNoSensor_per_m
+                                                : std::max(options_.depth_floor_per_m,
+                                                           options_.depth_factor * usual_per_m_);
   constexpr double kHysteresis = 0.6;
   verdict.doubtful = verdict.off_per_m > (in_doubt ? kHysteresis : 1.0) * limit_per_m;
   verdict.colour = std::move(colour);

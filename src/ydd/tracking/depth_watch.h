@@ -34,7 +34,8 @@ class DepthWatch {
     double off_per_m = 0;    ///< median of |depth - expected depth| / expected depth^2, 1/m
     PoseFromMatches colour;  ///< the pose by colour alone; without inliers when nothing was judged
   };
-  /// Who is in doubt already believes less. `matches` are the frame's keypoints with map points, `T_camera_world` its pose with depth.
+  /// Who is in doubt already believes less. `matches` are the frame's keypoints with map points,
+  /// `T_camera_world` its pose with depth.
   Verdict judge(const Camera& camera, const PyramidScales& scales, const Features& features,
                 const SE3& T_camera_world, const std::vector<PointMatch>& matches,
                 const PoseOnlyOptions& pose_options, bool in_doubt) const;

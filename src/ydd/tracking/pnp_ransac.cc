@@ -26,8 +26,7 @@ Problem problem_of(const Camera& camera, const Features& features,
   Problem out;
   for (const PointMatch& m : matches) {
     out.p_world.push_back(m.p_world);
-    out.px.push_back(
-        features.undistorted_px[static_cast<std::size_t>(m.keypoint)].cast<double>());
+    out.px.push_back(features.undistorted_px[static_cast<std::size_t>(m.keypoint)].cast<double>());
   }
   out.intrinsics =
       cv::Matx33d(camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, 1);
@@ -46,8 +45,7 @@ std::array<std::size_t, kSample> draw(std::mt19937& random, std::size_t count) {
   return sample;
 }
 
-std::vector<SE3> poses_of(const Problem& problem,
-                          const std::array<std::size_t, kSample>& sample) {
+std::vector<SE3> poses_of(const Problem& problem, const std::array<std::size_t, kSample>& sample) {
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> pixels;
   for (const std::size_t i : sample) {

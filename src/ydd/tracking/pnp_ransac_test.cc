@@ -28,8 +28,8 @@ struct Scene {
     std::vector<PointMatch> out;
     for (std::size_t k = 0; k < view.shown.size() && out.size() < 200; ++k) {
       const bool wrong = static_cast<double>(random() % 1000U) < 1000 * outlier_share;
-      const std::size_t point = wrong ? random() % world.p_world.size()
-                                      : static_cast<std::size_t>(view.shown[k]);
+      const std::size_t point =
+          wrong ? random() % world.p_world.size() : static_cast<std::size_t>(view.shown[k]);
       out.push_back({static_cast<int>(k), world.p_world[point], {}, 0, 0});
     }
     return out;
