@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run_pace.h"
 
-#include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "ydd/base/interruption.h"
+#include "ydd/base/timing.h"
 
 namespace ydd::app {
 namespace {
@@ -22,10 +23,7 @@ double gap_s(const Sequence& sequence, std::size_t before) {
 double median_gap_s(const Sequence& sequence) {
   std::vector<double> gaps;
   for (std::size_t i = 0; i + 1 < sequence.size(); ++i) gaps.push_back(gap_s(sequence, i));
-  if (gaps.empty()) return 0;
-  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return *middle;
+  return statistics_of(std::move(gaps)).median;
 }
 
 }  // namespace

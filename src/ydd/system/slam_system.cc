@@ -2,7 +2,6 @@
 #include "ydd/system/slam_system.h"
 
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -54,22 +53,6 @@ DetectOptions detect_options(const SystemOptions& options) {
   return detect;
 }
 
-template <class Pixel>
-std::size_t pixels_in(const Image<Pixel>& image) {
-  return static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height());
-}
-
-template <class Pixel>
-bool same_pixels(const Image<Pixel>& a, const Image<Pixel>& b) {
-  return !a.empty() && a.width() == b.width() && a.height() == b.height() &&
-         std::equal(a.data(), a.data() + pixels_in(a), b.data());
-}
-
-bool is_flat(const DepthImage& depth_m) {
-  const float* const end = depth_m.data() + pixels_in(depth_m);
-  return std::adjacent_find(depth_m.data(), end, std::not_equal_to<>()) == end;
-}
-
 }  // namespace
 
 SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
@@ -107,8 +90,6 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
     report.observations = std::make_shared<const Observations>(observe(features, report.judgement));
   }
   track(frame, report);
-  last_colour_ = frame.colour;
-  last_depth_m_ = frame.depth_m;
   if (saver_) saver_->offer(atlas());
   total_timer.stop();
   report.times.push_back(total.front());
@@ -142,7 +123,7 @@ void SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   tracked.index = frame.index;
   tracked.stamp = frame.stamp;
   tracked.observations = report.observations;
-  tracked.doubt = repeated(frame);
+  tracked.doubt = repeated_pictures_.doubt(frame);
   if (options_.map.pictures) {
     tracked.picture = std::make_shared<const PictureSource>(
         PictureSource{frame.colour, frame.depth_m, report.judgement.regions});
@@ -168,18 +149,6 @@ void SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   trajectory_.push_back({frame.stamp, report.track.reference, report.track.T_reference_camera});
 }
 
-std::string SlamSystem::repeated(const RgbdFrame& frame) const {
-  const bool same_colour = same_pixels(frame.colour, last_colour_);
-  const bool same_depth = same_pixels(frame.depth_m, last_depth_m_);
-  // Both: a frame that was sent twice, from which nothing follows. A depth image of one value says
-  // nothing of time.
-  if (same_depth && !same_colour && !is_flat(frame.depth_m)) {
-    return "the depth image is the last one again";
-  }
-  if (same_colour && !same_depth) return "the colour image is the last one again";
-  return "";
-}
-
 bool SlamSystem::submit(KeyFrameCandidate candidate) {
   return mapping_->submit(std::move(candidate));
 }
@@ -192,8 +161,7 @@ void SlamSystem::reset() {
   judge_ = DynamicsJudge(options_.dynamics, judge_.catalogue());
   judge_.set_variant(variant);
   if (asynchronous_) asynchronous_->forget();
-  last_colour_ = {};
-  last_depth_m_ = {};
+  repeated_pictures_ = {};
   trajectory_.clear();
 }
 

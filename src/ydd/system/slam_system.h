@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "ydd/base/result.h"
@@ -14,6 +13,7 @@
 #include "ydd/system/detector_runner.h"
 #include "ydd/system/map_saver.h"
 #include "ydd/system/mapping_runner.h"
+#include "ydd/system/repeated_pictures.h"
 #include "ydd/system/system_options.h"
 
 namespace ydd {
@@ -95,8 +95,6 @@ class SlamSystem {
   Features extract(const RgbdFrame& frame, FrameReport& report);
   Result<Detections> join_detections(const RgbdFrame& frame, FrameReport& report);
   void track(const RgbdFrame& frame, FrameReport& report);
-  /// Why the frame cannot be what the camera sees now; empty: no reason.
-  std::string repeated(const RgbdFrame& frame) const;
   bool submit(KeyFrameCandidate candidate);
   MapId main_map() const;
 
@@ -110,8 +108,7 @@ class SlamSystem {
   std::unique_ptr<AsynchronousDetection> asynchronous_;  // or this
   std::unique_ptr<MapSaver> saver_;
   std::vector<TrajectoryEntry> trajectory_;
-  ColourImage last_colour_;  ///< of the frame before; empty: none
-  DepthImage last_depth_m_;
+  RepeatedPictures repeated_pictures_;
 };
 
 }  // namespace ydd

@@ -1,23 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
 #include <vector>
 
-#include "ydd/base/options.h"
+#include "ydd/tracking/doubt.h"
 #include "ydd/tracking/pose_from_matches.h"
 
 namespace ydd {
-
-struct DoubtOptions {
-  bool enabled = true;
-  double depth_factor = 3.0;
-  double depth_floor_per_m = 0.008;
-  double longest_s = 5.0;
-  double max_speed_m_s = 15.0;  ///< a camera that is thrown, not carried
-  double max_turn_rad_s = 12.0;
-  void describe(OptionTable& table);
-};
 
 /// Whether the depth image of a frame can be believed: it must agree with the map where the colour
 /// image alone says that the camera is.

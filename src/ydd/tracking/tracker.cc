@@ -52,53 +52,11 @@ double median_depth_m(const Features& features) {
 
 }  // namespace
 
-std::string_view to_string(TrackingState state) {
-  switch (state) {
-    case TrackingState::initializing:
-      return "initializing";
-    case TrackingState::tracking:
-      return "tracking";
-    case TrackingState::coasting:
-      return "coasting";
-    case TrackingState::lost:
-      return "lost";
-  }
-  return "";
-}
-
-void TrackerOptions::describe(OptionTable& t) {
-  t.group("match", match);
-  t.group("pose", pose);
-  t.group("keyframe", keyframe);
-  t.group("relocalization", relocalization);
-  t.add("min_initial_points", min_initial_points, {10, 10000}, "",
-        "keypoints with depth needed to start a map");
-  t.add("motion_radius", motion_radius_px, {1.0, 200.0}, "px",
-        "search radius around the last frame's points on octave 0");
-  t.add("local_radius_factor", local_radius_factor, {0.5, 20.0}, "",
-        "widens the search radius around the local map's points");
-  t.add("min_motion_matches", min_motion_matches, {3, 1000}, "",
-        "below this the motion search is repeated with twice the radius");
-  t.add("min_motion_inliers", min_motion_inliers, {3, 1000}, "",
-        "points that must agree with the first pose estimate");
-  t.add("min_local_inliers", min_local_inliers, {3, 1000}, "",
-        "map points that must agree with the final pose, else tracking is lost");
-  t.add("max_local_keyframes", max_local_keyframes, {1, 1000}, "", "keyframes in the local map");
-  t.add("place_candidates", place_candidates, {0, 100}, "",
-        "most similar keyframes that are tried when lost");
-  t.add("new_map_after", new_map_after_s, {0.0, 3600.0}, "s",
-        "a new map is started when the camera has been lost for so long");
-  t.add("young_map", young_map_keyframes, {0, 1000}, "keyframes",
-        "a map of so few that is lost is not waited for: a new one starts at once");
-  t.group("doubt", doubt);
-  t.add("close_depth", close_depth_m, {0.1, 100.0}, "m",
-        "nearer depth readings become points at once");
-}
-
 Tracker::Tracker(const TrackerOptions& options, bool in_known_map)
     : options_(options),
       state_(in_known_map ? TrackingState::lost : TrackingState::initializing),
-      depth_watch_(options.doubt) {}
+      depth_watch_(options.doubt),
+      doubt_(options.doubt) {}
 
 TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_idle) {
   frame.points.assign(frame.features().size(), MapPointId{});
@@ -107,19 +65,20 @@ TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_i
   }
   refresh_last_frame(atlas);
   TrackResult result;
-  if (find_pose(atlas, frame, result))
+  if (find_pose(atlas, frame, result)) {
     return judge(std::move(frame), atlas, std::move(result), mapper_idle);
+  }
   // What contradicts the map with its depth may agree with it without.
   if (state_ == TrackingState::tracking && options_.doubt.enabled) {
     TrackedFrame bare = colour_only(frame);
     bare.points.assign(bare.points.size(), MapPointId{});
     if (find_pose(atlas, bare, result) && moves_as_a_body(bare) &&
-        !doubt_lasts_too_long(frame.stamp)) {
+        !doubt_.lasts_too_long(frame.stamp)) {
       return finish_coasting(std::move(bare), atlas, std::move(result), kDepthContradicts);
     }
   }
-  if (doubted_since_ && !doubt_lasts_too_long(frame.stamp)) {
-    return finish_doubted(std::move(frame), atlas, std::move(result), doubt_);
+  if (doubt_.pending() && !doubt_.lasts_too_long(frame.stamp)) {
+    return finish_doubted(std::move(frame), atlas, std::move(result), doubt_.reason());
   }
   return finish_lost(std::move(frame), atlas, std::move(result));
 }
@@ -143,7 +102,7 @@ TrackResult Tracker::judge(TrackedFrame frame, const Atlas& atlas, TrackResult r
   }
   const bool contradicts = depth_is_doubtful(atlas, frame);
   const bool doubted = contradicts || !frame.doubt.empty();
-  if (doubted && !doubt_lasts_too_long(frame.stamp)) {
+  if (doubted && !doubt_.lasts_too_long(frame.stamp)) {
     const std::string doubt = frame.doubt.empty() ? kDepthContradicts : frame.doubt;
     return finish_coasting(std::move(frame), atlas, std::move(result), doubt);
   }
@@ -374,7 +333,8 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   T_reference_last_ = result.T_reference_camera;
   result.points = frame.points;
   StageTimer timer(result.times, "keyframe_decision");
-  if (!localization_only_ && is_believed(frame.stamp) &&
+  const bool believed = doubt_.settle(frame.stamp);
+  if (!localization_only_ && believed &&
       needs_keyframe(situation(atlas, frame, result, mapper_idle), options_.keyframe)) {
     last_candidate_stamp_ = frame.stamp;
     result.candidate =
@@ -396,40 +356,22 @@ SE3 Tracker::predicted_motion(Timestamp now) const {
 }
 
 bool Tracker::moves_as_a_body(const TrackedFrame& frame) const {
-  const DoubtOptions& limits = options_.doubt;
   const double interval_s = last_ ? seconds_between(last_->stamp, frame.stamp) : 0;
+  const DoubtOptions& limits = options_.doubt;
   if (!limits.enabled || interval_s <= 0 || interval_s > limits.longest_s) return true;
-  constexpr double kSlack_m = 0.1;  // of a map that was corrected, of a pose that was rough
-  constexpr double kSlack_rad = 0.2;
-  const SE3 motion = frame.T_camera_world * last_->T_camera_world.inverse();
-  return motion.translation().norm() <= kSlack_m + limits.max_speed_m_s * interval_s &&
-         motion.angle_rad() <= kSlack_rad + limits.max_turn_rad_s * interval_s;
-}
-
-bool Tracker::doubt_lasts_too_long(Timestamp now) {
-  if (!doubted_since_) doubted_since_ = now;
-  return seconds_between(*doubted_since_, now) > options_.doubt.longest_s;
-}
-
-bool Tracker::is_believed(Timestamp now) {
-  constexpr double kSettle_s = 0.5;  // one good frame may be chance
-  if (doubted_since_ && !believed_since_) believed_since_ = now;
-  if (believed_since_ && seconds_between(*believed_since_, now) < kSettle_s) return false;
-  doubted_since_.reset();
-  believed_since_.reset();
-  doubt_.clear();
-  return true;
+  return is_motion_of_a_body(frame.T_camera_world * last_->T_camera_world.inverse(), interval_s,
+                             limits);
 }
 
 bool Tracker::depth_is_doubtful(const Atlas& atlas, TrackedFrame& frame) {
   const DepthWatch::Verdict verdict =
       depth_watch_.judge(atlas.camera(), atlas.scales(), frame.features(), frame.T_camera_world,
-                         local_matches_, options_.pose, doubted_since_.has_value());
+                         local_matches_, options_.pose, doubt_.pending());
   if (!verdict.doubtful && frame.doubt.empty()) {
     depth_watch_.learn(verdict);
     return false;
   }
-  if (doubt_lasts_too_long(frame.stamp)) {
+  if (doubt_.lasts_too_long(frame.stamp)) {
     log::warning("frame {}: doubt has lasted for {:g} s; the sensor is believed again", frame.index,
                  options_.doubt.longest_s);
     if (verdict.doubtful) depth_watch_.give_in(verdict);
@@ -447,11 +389,9 @@ TrackResult Tracker::finish_coasting(TrackedFrame frame, const Atlas& atlas, Tra
   if (state_ == TrackingState::lost || !moves_as_a_body(frame)) {
     return finish_doubted(std::move(frame), atlas, std::move(result), doubt);
   }
-  if (doubt_.empty()) {
+  if (doubt_.raise(doubt, frame.stamp)) {
     log::warning("frame {}: coasting: {}; nothing of it enters the map", frame.index, doubt);
   }
-  believed_since_.reset();
-  doubt_ = doubt;
   result.state = TrackingState::coasting;
   result.doubt = doubt;
   result.points = frame.points;
@@ -469,13 +409,10 @@ TrackResult Tracker::finish_coasting(TrackedFrame frame, const Atlas& atlas, Tra
 }
 
 TrackResult Tracker::finish_doubted(TrackedFrame frame, const Atlas& atlas, TrackResult result,
-                                    const std::string& doubt) {
+                                    std::string doubt) {
   result.inliers = 0;
   const std::int64_t index = frame.index;
-  const bool first = doubt_.empty();
-  doubt_ = doubt;
-  doubt_lasts_too_long(frame.stamp);  // from now on
-  believed_since_.reset();
+  const bool first = doubt_.raise(doubt, frame.stamp);
   TrackResult lost = finish_lost(std::move(frame), atlas, std::move(result));
   if (lost.state != TrackingState::lost) return lost;
   if (first) log::warning("frame {}: coasting without a pose: {}", index, doubt);
@@ -497,14 +434,14 @@ bool Tracker::is_young(const Atlas& atlas) const {
 }
 
 TrackResult Tracker::finish_lost(TrackedFrame frame, const Atlas& atlas, TrackResult result) {
-  if (state_ == TrackingState::tracking && !doubted_since_) {
+  if (state_ == TrackingState::tracking && !doubt_.pending()) {
     log::warning("frame {}: tracking lost ({} points agree)", frame.index, result.inliers);
   }
   if (!lost_since_) lost_since_ = frame.stamp;
   state_ = result.state = TrackingState::lost;
   T_camera_last_.reset();
   // A young map is worth no waiting; if it shows the same room it is welded later.
-  const bool young = !doubted_since_ && is_young(atlas);
+  const bool young = !doubt_.pending() && is_young(atlas);
   const double wait_s = young ? 0 : options_.new_map_after_s;
   if (seconds_between(*lost_since_, frame.stamp) < wait_s) return result;
   TrackResult fresh = initialize(std::move(frame));

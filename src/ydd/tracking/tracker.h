@@ -131,11 +131,9 @@ class Tracker {
                               const std::string& doubt);
   TrackResult finish_lost(TrackedFrame frame, const Atlas& atlas, TrackResult result);
   TrackResult finish_doubted(TrackedFrame frame, const Atlas& atlas, TrackResult result,
-                             const std::string& doubt);
+                             std::string doubt);  // a copy: often the reason that is replaced
   bool moves_as_a_body(const TrackedFrame& frame) const;
   bool depth_is_doubtful(const Atlas& atlas, TrackedFrame& frame);
-  bool doubt_lasts_too_long(Timestamp now);
-  bool is_believed(Timestamp now);
   SE3 predicted_motion(Timestamp now) const;
   bool is_young(const Atlas& atlas) const;
 
@@ -148,9 +146,7 @@ class Tracker {
   double motion_interval_s_ = 0;      ///< ... which took so long
   DepthWatch depth_watch_;
   std::vector<PointMatch> local_matches_;  ///< of this frame, also those that the pose left out
-  std::string doubt_;                      ///< the newest reason; empty: none
-  std::optional<Timestamp> doubted_since_;
-  std::optional<Timestamp> believed_since_;  ///< after doubt
+  Doubt doubt_;
   Timestamp last_candidate_stamp_;
   std::optional<Timestamp> lost_since_;
   bool localization_only_ = false;

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "ydd/image/rgbd_frame.h"
+
+namespace ydd {
+
+/// Notices that one of the two cameras stands still: its picture comes again and again, equal to
+/// the pixel, while the other one goes on. Two repeats are no fault: a depth camera may be slower
+/// than the colour camera. Thread: one.
+class RepeatedPictures {
+ public:
+  /// Why the frame cannot be what the camera sees now; empty: no reason. Frames come in order.
+  std::string doubt(const RgbdFrame& frame);
+
+ private:
+  ColourImage colour_;  ///< of the frame before; empty: none
+  DepthImage depth_m_;
+  int colour_repeats_ = 0;
+  int depth_repeats_ = 0;
+};
+
+}  // namespace ydd
