@@ -41,7 +41,9 @@ PoseColumns pose_columns(const TextTable& table) {
     return out;
   }
   constexpr std::size_t kNanosecondDigits = 17;
-  const std::string_view first = table.rows.empty() ? "" : table.rows.front().fields.front();
+  // Not ?: between "" and the field: that would make a text of its own, and look at it after its
+  // end.
+  const std::string first = table.rows.empty() ? "" : table.rows.front().fields.front();
   if (table.commas && first.size() >= kNanosecondDigits &&
       first.find('.') == std::string_view::npos) {
     out.numbers = {1, 2, 3, 5, 6, 7, 4};
