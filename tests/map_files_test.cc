@@ -54,7 +54,8 @@ StampedPoses trajectory_of(const fs::path& out) {
 double ate_m(const fs::path& sequence, const StampedPoses& estimate) {
   const auto truth = read_tum_trajectory(sequence / "groundtruth.txt");
   const auto ate = absolute_trajectory_error(truth.value(), estimate);
-  return ate ? ate->statistics_m.rmse : HUGE_VAL;
+  if (!ate) ADD_FAILURE() << ate.error().message;
+  return ate ? ate->statistics_m.rmse : std::nan("");
 }
 
 /// The first one, and of the second what comes after it: right only if both are in one world.

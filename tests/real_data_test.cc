@@ -10,6 +10,7 @@
 
 #include "command_line.h"
 #include "ydd/dataset/trajectory.h"
+#include "ydd/dataset/tum_sequence.h"
 #include "ydd/evaluation/ate.h"
 
 namespace ydd::e2e {
@@ -22,7 +23,7 @@ fs::path recording(const std::string& name) {
   return fs::path(data) / name;
 }
 
-/// ATE in metres of a deterministic run; infinite when it failed.
+/// ATE in metres of a deterministic run of which more than half of the frames were tracked.
 double ate_m(const fs::path& sequence, std::vector<std::string> options) {
   const TemporaryFolder folder;
   options.insert(options.begin(),
@@ -31,9 +32,15 @@ double ate_m(const fs::path& sequence, std::vector<std::string> options) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto truth = read_tum_trajectory(sequence / "groundtruth.txt");
   const auto estimate = read_tum_trajectory(folder / "run/trajectory.tum");
-  if (!truth || !estimate) return HUGE_VAL;
+  if (!truth || !estimate) {
+    ADD_FAILURE() << "no trajectory";
+    return std::nan("");  // neither above nor below anything
+  }
+  const std::size_t frames = Sequence::open(sequence).value().size();
+  EXPECT_GT(estimate->size(), frames / 2);
   const auto ate = absolute_trajectory_error(*truth, *estimate);
-  const double rmse_m = ate ? ate->statistics_m.rmse : HUGE_VAL;
+  if (!ate) ADD_FAILURE() << ate.error().message;
+  const double rmse_m = ate ? ate->statistics_m.rmse : std::nan("");
   testing::Test::RecordProperty("ate_um", static_cast<int>(1e6 * rmse_m));
   return rmse_m;
 }

@@ -30,12 +30,17 @@ void run(const fs::path& sequence, const fs::path& out, std::vector<std::string>
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 
+/// Without a trajectory the test fails, whatever it expects: no number is above or below NaN.
 double ate_m(const fs::path& sequence, const fs::path& out) {
   const auto truth = read_tum_trajectory(sequence / "groundtruth.txt");
   const auto estimate = read_tum_trajectory(out / "trajectory.tum");
-  if (!truth || !estimate) return HUGE_VAL;
+  if (!truth || !estimate) {
+    ADD_FAILURE() << "no trajectory in " << out;
+    return std::nan("");
+  }
   const auto ate = absolute_trajectory_error(*truth, *estimate);
-  return ate ? ate->statistics_m.rmse : HUGE_VAL;
+  if (!ate) ADD_FAILURE() << ate.error().message;
+  return ate ? ate->statistics_m.rmse : std::nan("");
 }
 
 std::set<std::string> names_in(const fs::path& folder) {
@@ -78,6 +83,8 @@ TEST(Run, RejectingWhatMovesSavesABusyRoom) {
   EXPECT_EQ(summary.at("frames_tracked"), kFrames);
   EXPECT_LT(ate_m(busy_room(), folder / "full"), 0.04);
   run(busy_room(), folder / "off", {"--deterministic", "--detections", boxes, "--dynamic", "off"});
+  // It does not get lost, it goes along with the people.
+  EXPECT_GT(json_of(folder / "off/summary.json").at("frames_tracked"), kFrames / 2);
   EXPECT_GT(ate_m(busy_room(), folder / "off"), 0.1);
 }
 

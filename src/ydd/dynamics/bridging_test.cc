@@ -33,6 +33,14 @@ TEST(Bridge, APersonInSightNeedsNoBridge) {
   EXPECT_FLOAT_EQ(state.tracks[0].dy_px, 0);
 }
 
+TEST(Bridge, OfTwoBodiesTheOneThatFitsBetterGoesOn) {
+  // The nearer one stands second, so that the order of the bodies does not decide.
+  const Bridging state = step(walked(3), {body_at(160), body_at(131)});
+  ASSERT_EQ(state.tracks.size(), 2U);
+  EXPECT_EQ(state.tracks[0].seen, 1);
+  EXPECT_EQ(state.tracks[1].seen, 4);
+}
+
 TEST(Bridge, AMissedPersonIsCarriedOnByItsMotion) {
   const Bridging once = step(walked(3), {});
   ASSERT_EQ(once.regions.size(), 1U);

@@ -63,6 +63,12 @@ struct Scene {
     }
     return worst;
   }
+  std::size_t links() const {
+    std::size_t links = 0;
+    built.atlas.points().for_each(
+        [&](MapPointId, const MapPoint& point) { links += point.sightings.size(); });
+    return links;
+  }
   double point_error_m() const {
     std::vector<double> errors;
     for (std::size_t i = 0; i < built.points.size(); ++i) {
@@ -139,12 +145,16 @@ TEST(LocalBundle, BringsADisturbedMapBack) {
   scene.disturb();
   EXPECT_GT(scene.pose_error_m(), 0.02);
   const double points_before_m = scene.point_error_m();
+  const std::size_t links_before = scene.links();
+  ASSERT_GT(links_before, 500U);
   const GatheredBundle g = gather_local_bundle(scene.built.atlas, scene.built.keyframes[5], {});
   const BundleResult solved = solve_bundle(scene.built.atlas.camera(), g.problem, {});
   apply_bundle(scene.built.atlas, g, solved);
   EXPECT_LT(solved.final_cost, 0.1 * solved.initial_cost);
   EXPECT_LT(scene.pose_error_m(), 0.004);
   EXPECT_LT(scene.point_error_m(), 0.5 * points_before_m);
+  // All are right: what was out of place must not be taken for outliers.
+  EXPECT_GE(scene.links(), links_before * 98 / 100);
   EXPECT_THAT(scene.built.atlas.check_consistency(), IsEmpty());
 }
 
@@ -161,11 +171,14 @@ TEST(LocalBundle, UnlinksOutliers) {
   atlas.remove_sighting(b, id);
   ASSERT_TRUE(atlas.add_sighting(a, id, 9));
   ASSERT_TRUE(atlas.add_sighting(b, id, 0));
+  const std::size_t links_before = scene.links();
   const GatheredBundle g = gather_local_bundle(atlas, scene.built.keyframes[5], {});
   apply_bundle(atlas, g, solve_bundle(atlas.camera(), g.problem, {}));
   EXPECT_FALSE(atlas.at(id).points[0].valid());
   EXPECT_FALSE(atlas.at(id).points[9].valid());
   EXPECT_NE(atlas.find(a), nullptr);
+  EXPECT_NE(atlas.find(b), nullptr);
+  EXPECT_EQ(scene.links(), links_before - 2) << "the two that are wrong, and no other";
   EXPECT_THAT(atlas.check_consistency(), IsEmpty());
 }
 

@@ -135,12 +135,17 @@ TEST(Mapper, AStopLeavesAValidMap) {
   Mapper mapper = mapper_for(walker.world());
   std::stop_source stop;
   stop.request_stop();
-  for (int i = 0; i < 30; ++i) {
+  int processed = 0;
+  for (int i = 0; i < 60; ++i) {
     const TrackResult result = walker.step(mapper.atlas());
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i;
     if (!result.candidate) continue;
-    mapper.process(*result.candidate, stop.get_token());
+    const MapperReport report = mapper.process(*result.candidate, stop.get_token());
+    ASSERT_NE(mapper.atlas().find(report.keyframe), nullptr);
     ASSERT_THAT(mapper.atlas().check_consistency(), IsEmpty());
+    ++processed;
   }
+  EXPECT_GE(processed, 2);
 }
 
 TEST(Mapper, SnapshotsStayWhileTheMapGoesOn) {

@@ -37,6 +37,7 @@ TEST(QueryPlaces, TheSamePlaceComesFirstAndTheFilterHolds) {
   EXPECT_GT(all[0].score, 1.5 * all[1].score);
   const auto others = query_places(
       atlas, query, [&](KeyFrameId id) { return id != ids[5]; }, 3);
+  ASSERT_EQ(others.size(), 3U);
   for (const PlaceCandidate& c : others) EXPECT_NE(c.keyframe, ids[5]);
   for (const PlaceCandidate& c : all) {
     EXPECT_NEAR(c.score, similarity(query, *atlas.at(c.keyframe).words), 1e-5);

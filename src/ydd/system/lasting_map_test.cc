@@ -142,7 +142,8 @@ TEST_P(LastingMap, TwoOfOnePlaceAreWelded) {
     const auto system = start();
     feed(*system, from, to);
     system->finish();
-    ydd::save_map(*system->atlas(), folder_ / "x.map").ok();
+    const auto saved = ydd::save_map(*system->atlas(), folder_ / "x.map", Replacing::anything);
+    EXPECT_TRUE(saved.ok()) << saved.error().message;
     return load_map(folder_ / "x.map").value();
   };
   const Atlas a = run(0, 45);

@@ -2,6 +2,7 @@
 #include "ydd/system/mapping_runner.h"
 
 #include <algorithm>
+#include <atomic>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -99,10 +100,13 @@ TEST(ThreadedMapping, OtherThreadsMayReadTheMapMeanwhile) {
   Walker walker;
   const auto runner = make_threaded_mapping(
       Mapper(walker.world().camera, walker.world().scales, {}), LoopOptions());
+  std::atomic<std::int64_t> seen = 0;
   std::jthread reader([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
-      runner->atlas()->points().for_each(
-          [](MapPointId, const MapPoint& p) { EXPECT_FALSE(p.sightings.empty()); });
+      runner->atlas()->points().for_each([&](MapPointId, const MapPoint& p) {
+        EXPECT_FALSE(p.sightings.empty());
+        ++seen;
+      });
       std::this_thread::yield();
     }
   });
@@ -111,6 +115,7 @@ TEST(ThreadedMapping, OtherThreadsMayReadTheMapMeanwhile) {
     if (result.candidate) runner->submit(*result.candidate);
   }
   runner->finish();
+  while (seen == 0) std::this_thread::yield();  // it may not have had its turn yet
 }
 
 }  // namespace
