@@ -2,7 +2,8 @@
 # A front door to CMake for people and for CI. Everything here is also a plain CMake preset.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help deps configure build test demo bench check format tidy asan tsan install clean
+.PHONY: help deps configure build test demo bench check format tidy asan tsan faults \
+  mutants install clean
 
 # How many compilers and tests run at once; sanitized compilers need about 1.5 GB each.
 JOBS ?= $(shell nproc)
@@ -30,6 +31,7 @@ test: check configure  ## Build everything, run all tests: quick ones, end to en
 	ctest --test-dir build --output-on-failure --no-tests=error -L quick --parallel $(JOBS)
 	tools/check-install build
 	ctest --test-dir build --output-on-failure --no-tests=error -L e2e
+	ctest --test-dir build --output-on-failure --no-tests=error -L faults
 
 demo: build  ## Simulate a static and a busy room, run SLAM on both, print how far off it was
 	@tools/demo
@@ -54,6 +56,14 @@ asan: deps  ## All tests under AddressSanitizer and UndefinedBehaviorSanitizer, 
 
 tsan: deps  ## All tests under ThreadSanitizer, in build-tsan
 	@tools/sanitized-tests tsan
+
+faults: configure  ## What is thrown at the programme, thirty rounds of what has a chance in it (long)
+	@cmake --build --preset release --parallel $(JOBS)
+	YDD_FAULTS=$${YDD_FAULTS:-30} ctest --test-dir build --output-on-failure --no-tests=error -L faults
+
+mutants: configure  ## Change the rules of dynamics/ one by one: does a test notice? (hours)
+	@cmake --build --preset release --parallel $(JOBS) --target ydd_dynamics_test ydd_dynamics_property_test
+	@tools/mutate-dynamics
 
 install: build  ## Install binary, libraries, headers and configurations below PREFIX (/usr/local)
 	@cmake --build --preset release --parallel $(JOBS)
