@@ -43,6 +43,19 @@ TEST(ConnectedThings, AHeldBookSticksOutOfTheBox) {
   EXPECT_FALSE(things[0].range->contains(4.0F));
 }
 
+TEST(ConnectedThings, AnythingSticksOutOfAnySide) {
+  const Box box{200, 100, 300, 400};
+  const std::vector<MovingRegion> bodies = {{7, Rule::body_depth, box, DepthRange{1.0F, 2.0F}}};
+  const Box sides[] = {
+      {300, 200, 340, 280}, {160, 200, 200, 280}, {220, 60, 280, 100}, {220, 400, 280, 440}};
+  for (const Box& side : sides) {
+    const DepthImage depth = PaintedScene().paint(box, 1.5F).paint(side, 1.48F).depth();
+    const auto things = connected_things(depth, bodies, kOptions);
+    ASSERT_EQ(things.size(), 1U) << side.x0 << " " << side.y0;
+    EXPECT_EQ(things[0].box, side);
+  }
+}
+
 TEST(ConnectedThings, AWallOrADeskGoesOn) {
   const DepthImage depth =
       PaintedScene().paint(kBox, 1.5F).paint({300, 200, 640, 280}, 1.5F).depth();

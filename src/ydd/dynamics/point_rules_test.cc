@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/dynamics/point_rules.h"
 
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "ydd/dynamics/scene_testing.h"
@@ -110,6 +112,21 @@ TEST(RuleOf, RegionsBeforeEdgesBeforeSurroundings) {
   EXPECT_EQ(rule_of({252, 200, 4.0F}, regions, depth, options), Rule::edge);
   EXPECT_EQ(rule_of({225, 200, 0}, regions, depth, options), Rule::surrounded);
   EXPECT_EQ(rule_of({280, 200, 4.0F}, regions, depth, options), Rule::kept);
+}
+
+TEST(RuleOf, PointsWithAndWithoutDepthHaveEdgesOfTheirOwn) {
+  const DepthImage depth = PaintedScene().paint(kBox, 1.5F).depth();
+  const std::vector<MovingRegion> regions = {kBody};
+  const PointSample measured{302, 200, 4}, unmeasured{302, 200, 0};
+  PointRuleOptions options;
+  options.surround_px = 0;
+  options.edge_radius_px = 3;
+  options.unmeasured_edge_px = 0;
+  EXPECT_EQ(rule_of(measured, regions, depth, options), Rule::edge);
+  EXPECT_EQ(rule_of(unmeasured, regions, depth, options), Rule::kept);
+  std::swap(options.edge_radius_px, options.unmeasured_edge_px);
+  EXPECT_EQ(rule_of(measured, regions, depth, options), Rule::kept);
+  EXPECT_EQ(rule_of(unmeasured, regions, depth, options), Rule::edge);
 }
 
 TEST(RuleOf, EdgesAndSurroundingsCanBeOff) {
