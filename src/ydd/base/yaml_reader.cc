@@ -100,9 +100,14 @@ void check_bounds(const std::string& text) {
   BoundsCheck first;
   if (!parser.HandleNextDocument(first)) return;
   // A "---" at the end, as tools print between two messages, starts an empty one.
-  for (;;) {
+  for (int read_to = first.document().pos;;) {
     BoundsCheck next;
     if (!parser.HandleNextDocument(next)) return;
+    // yaml-cpp takes a lone comma or bracket for an empty document, again and again.
+    if (!next.has_content() && next.document().pos <= read_to) {
+      throw YAML::ParserException(next.document(), "a comma or bracket that belongs to nothing");
+    }
+    read_to = next.document().pos;
     if (next.has_content()) {
       throw YAML::ParserException(next.document(), "a second document starts; keep one");
     }

@@ -71,6 +71,14 @@ TEST(YamlReader, OneDocumentOfText) {
   EXPECT_THAT(error_of(std::string((4 << 20) + 1, '#')), HasSubstr("more than such a file"));
 }
 
+TEST(YamlReader, ALoneCommaOrBracketIsNoEndlessRowOfDocuments) {
+  for (const char* const text : {",s", "a: 1\n,", "]", "}\n", "---\n,", "# a\n\n, b"}) {
+    EXPECT_THAT(error_of(text), HasSubstr("not valid YAML")) << text;
+  }
+  EXPECT_THAT(error_of(",s"), HasSubstr("a.yaml:1: not valid YAML: a comma or bracket"));
+  EXPECT_EQ(error_of("---\n---\n---\n"), "no error");
+}
+
 TEST(YamlReader, OpenCvsDialectKeepsItsLines) {
   const auto root =
       parse_yaml("\xEF\xBB\xBF%YAML:1.0\n---\n# c\nViewer.Size:2\n  \nb: x:y\nc:[1]\n", "a.yaml");

@@ -23,7 +23,8 @@ class Reader {
   explicit Reader(const std::filesystem::path& file) : database_(file, Database::Mode::read) {
     database_.run("BEGIN");                        // everything from one save, whoever is writing
     database_.expect_tables(map_format::kTables);  // before the check, which computes what it finds
-    if (const std::string check = database_.text("PRAGMA quick_check(1)"); check != "ok") {
+    if (std::string check = database_.text("PRAGMA quick_check(1)"); check != "ok") {
+      std::replace(check.begin(), check.end(), '\n', ' ');  // a heading, then what is wrong
       throw Fault(check);
     }
     const std::int64_t version = database_.number("PRAGMA user_version");

@@ -281,6 +281,20 @@ TEST_F(MapFileTest, AFlippedByteIsFoundOrDoesNotMatter) {
   EXPECT_GT(found, kFlips / 2);
 }
 
+TEST_F(MapFileTest, APageOfNothingIsRefusedInOneLine) {
+  ASSERT_TRUE(save_map(rich_atlas(40), file_).ok());
+  const std::string whole = bytes_of(file_);
+  constexpr std::size_t kPage = 4096;
+  ASSERT_GE(whole.size(), 4 * kPage);
+  for (std::size_t page = kPage; page < whole.size(); page += kPage) {
+    SCOPED_TRACE(page / kPage);
+    std::string blank = whole;
+    blank.replace(page, kPage, kPage, '\0');
+    write_bytes(file_, blank);
+    expect_refused(file_, "is damaged");
+  }
+}
+
 /// Runs SQL on a copy of a good file and expects the result to be refused.
 TEST_F(MapFileTest, RowsThatDoNotBelongTogetherAreRefused) {
   ASSERT_TRUE(save_map(rich_atlas(40), file_).ok());
