@@ -2,7 +2,7 @@
 # A front door to CMake for people and for CI. Everything here is also a plain CMake preset.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help deps configure build test demo bench check format tidy asan tsan faults \
+.PHONY: help deps configure build test demo bench check format tidy asan tsan faults fuzz \
   mutants install clean
 
 # How many compilers and tests run at once; sanitized compilers need about 1.5 GB each.
@@ -60,6 +60,10 @@ tsan: deps  ## All tests under ThreadSanitizer, in build-tsan
 faults: configure  ## What is thrown at the programme, thirty rounds of what has a chance in it (long)
 	@cmake --build --preset release --parallel $(JOBS)
 	YDD_FAULTS=$${YDD_FAULTS:-30} ctest --test-dir build --output-on-failure --no-tests=error -L faults
+
+fuzz:  ## Fuzz every parser for a minute; FUZZ_RUNS=10000000 by executions, TARGETS="yaml png" some
+	@tools/install-deps --fuzz
+	@tools/fuzz $(TARGETS)
 
 mutants: configure  ## Change the rules of dynamics/ one by one: does a test notice? (hours)
 	@cmake --build --preset release --parallel $(JOBS) --target ydd_dynamics_test ydd_dynamics_property_test

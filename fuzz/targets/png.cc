@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "support.h"
+#include "targets.h"
+#include "ydd/image/decode.h"
+
+namespace ydd::fuzz {
+
+void png(std::string_view input) {
+  const auto file = file_of(input, "picture.png");
+  expect_one_line(load_colour(file));
+  expect_one_line(load_raw_depth(file));
+}
+
+}  // namespace ydd::fuzz
