@@ -3,16 +3,17 @@
 // The one file of this room with threads: those of the server.
 #include "ydd/viewer/live_server.h"
 
-#include <dirent.h>
+#include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <charconv>
 #include <chrono>
+#include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <regex>
 #include <thread>
 #include <utility>
@@ -24,6 +25,7 @@
 #include "ydd/base/channel.h"
 #include "ydd/image/jpeg_codec.h"
 #include "ydd/viewer/annotate.h"
+#include "ydd/viewer/connection_guard.h"
 #include "ydd/viewer/live_json.h"
 #include "ydd/viewer/live_page.h"
 
@@ -32,46 +34,83 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kWorkers = 4;
-constexpr std::size_t kWaiting = 16;  // then accepting waits, and the kernel's short queue fills
-constexpr int kTimeout_s = 5;
+constexpr std::size_t kWorkers = 16;
+constexpr std::size_t kWaiting = 64;  // then accepting waits, and the kernel's short queue fills
+constexpr int kTimeout_s = 2;         // of silence
+constexpr std::chrono::milliseconds kSweep{50};
 constexpr std::size_t kLongestBody = 256;
+constexpr std::size_t kLongestSkipped = 65536;  // a longer body is not even read
 constexpr int kJpegQuality = 80;
 constexpr const char* kTokenLetters =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
 constexpr std::chrono::seconds kFarewell{1};         // for pages that have asked within this time
 constexpr const char* kFinished = "X-Ydd-Finished";  // header of answers after the last frame
-constexpr int kForbidden = 403, kUnavailable = 503, kBadRequest = 400;
+constexpr int kBadRequest = 400, kForbidden = 403, kWrongMethod = 405, kNoLength = 411,
+              kTooLong = 413, kWrongRange = 416, kUnavailable = 503;
+
+/// How many requests wait for a worker, and how many there are with those being answered.
+struct Load {
+  std::atomic<int> waiting = 0, all = 0;
+};
 
 /// Requests to a few threads. A full queue holds up accepting, so that connections stay few.
 class BoundedQueue final : public httplib::TaskQueue {
  public:
-  BoundedQueue() {
+  explicit BoundedQueue(Load& load) : load_(load) {
     for (std::size_t i = 0; i < kWorkers; ++i) {
       workers_.emplace_back([this] {
-        while (const auto task = tasks_.pop()) (*task)();
+        while (const auto task = tasks_.pop()) {
+          --load_.waiting;
+          (*task)();
+          --load_.all;
+        }
       });
     }
   }
-  void enqueue(std::function<void()> task) override { tasks_.push(std::move(task)); }
+  void enqueue(std::function<void()> task) override {
+    ++load_.all;
+    ++load_.waiting;
+    tasks_.push(std::move(task));
+  }
   void shutdown() override {
     tasks_.close();
     workers_.clear();  // joins
   }
 
  private:
+  Load& load_;
   Channel<std::function<void()>> tasks_{kWaiting};
   std::vector<std::jthread> workers_;
 };
 
 bool is_loopback(const std::string& address) {
-  return address == "localhost" || address == "::1" || address.starts_with("127.");
+  in_addr ipv4{};
+  if (::inet_pton(AF_INET, address.c_str(), &ipv4) == 1) return ntohl(ipv4.s_addr) >> 24U == 127;
+  return address == "localhost" || address == "::1";
 }
 
-/// The host of "host", "host:port" or "[ipv6]:port".
-std::string host_of(const std::string& header) {
-  if (header.starts_with('[')) return header.substr(1, header.find(']') - 1);
-  return header.substr(0, header.find(':'));
+/// The host of "host", "host:port" or "[ipv6]:port", in small letters; none of anything else.
+std::optional<std::string> host_of(const std::string& header) {
+  static const std::regex form(R"((?:([A-Za-z0-9._-]+)|\[([0-9A-Fa-f:.]+)\])(?::(\d{1,5}))?)");
+  std::smatch match;
+  if (header.size() > 255 || !std::regex_match(header, match, form)) return std::nullopt;
+  if (match[3].matched && std::stoi(match[3]) > 65535) return std::nullopt;
+  std::string host = match[1].matched ? match[1] : match[2];
+  for (char& c : host) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return host;
+}
+
+/// Digits alone, and not too many.
+std::optional<std::size_t> length_of(const std::string& header) {
+  std::size_t length = 0;
+  const char* const end = header.data() + header.size();
+  const auto [stop, error] = std::from_chars(header.data(), end, length);
+  if (error != std::errc() || stop != end) return std::nullopt;
+  return length;
+}
+
+ConnectionGuard::Peer peer_of(const httplib::Request& request) {
+  return {request.remote_addr, request.remote_port};
 }
 
 /// Takes as long for a nearly right token as for a wrong one.
@@ -82,26 +121,6 @@ bool same_token(std::string_view given, std::string_view wanted) {
                   static_cast<unsigned char>(wanted[i % wanted.size()]);
   }
   return difference == 0;
-}
-
-/// Ends the connections to `port` that are still open: their readers wake up.
-void cut_off_clients(int port) {
-  DIR* const folder = ::opendir("/proc/self/fd");
-  if (!folder) return;
-  while (const dirent* const entry = ::readdir(folder)) {
-    int fd = -1;
-    const char* const end = entry->d_name + std::char_traits<char>::length(entry->d_name);
-    if (std::from_chars(entry->d_name, end, fd).ptr != end) continue;
-    sockaddr_storage local{}, peer{};
-    socklen_t local_size = sizeof(local), peer_size = sizeof(peer);
-    if (::getsockname(fd, reinterpret_cast<sockaddr*>(&local), &local_size) != 0) continue;
-    if (::getpeername(fd, reinterpret_cast<sockaddr*>(&peer), &peer_size) != 0) continue;
-    // Both families keep the port in the same place.
-    const int local_port = ntohs(reinterpret_cast<const sockaddr_in*>(&local)->sin_port);
-    const bool internet = local.ss_family == AF_INET || local.ss_family == AF_INET6;
-    if (internet && local_port == port) ::shutdown(fd, SHUT_RDWR);
-  }
-  ::closedir(folder);
 }
 
 /// What was made of a published frame, once for all who ask.
@@ -129,7 +148,7 @@ class LiveServer::State {
  public:
   State(LiveControl& control, const LiveServerOptions& options)
       : control_(control), options_(options) {
-    server_.new_task_queue = [] { return new BoundedQueue; };  // httplib deletes it
+    server_.new_task_queue = [this] { return new BoundedQueue(load_); };  // httplib deletes it
     server_.set_keep_alive_max_count(1);  // an idle connection would keep a worker
     server_.set_read_timeout(kTimeout_s);
     server_.set_write_timeout(kTimeout_s);
@@ -146,7 +165,14 @@ class LiveServer::State {
                                  {"Referrer-Policy", "no-referrer"}});
     server_.set_pre_routing_handler([this](const httplib::Request& request,
                                            httplib::Response& response) {
-      if (allowed(request)) return httplib::Server::HandlerResponse::Unhandled;
+      if (const int status = malformed(request); status != 0) {
+        response.status = status;  // and no text, of which somebody could ask for many ranges
+        return httplib::Server::HandlerResponse::Handled;
+      }
+      if (allowed(request)) {
+        if (request.method != "POST") know(request);  // else its body is still to come
+        return httplib::Server::HandlerResponse::Unhandled;
+      }
       response.status = kForbidden;
       response.set_content("not allowed: open the address that ydd-slam printed, with its token\n",
                            "text/plain");
@@ -154,6 +180,10 @@ class LiveServer::State {
     });
     // httplib logs an answer when it has been written.
     server_.set_logger([this](const httplib::Request& request, const httplib::Response& response) {
+      {
+        const std::lock_guard lock(guard_mutex_);
+        guard_.answered(peer_of(request));
+      }
       if (request.path != "/state.json") return;
       last_asked_ = Clock::now();
       if (response.has_header(kFinished)) end_told_ = true;
@@ -170,6 +200,7 @@ class LiveServer::State {
   void listen() {
     thread_ = std::jthread([this] { server_.listen_after_bind(); });
     while (!server_.is_running()) std::this_thread::yield();  // stopping earlier has no effect
+    sweeper_ = std::jthread([this](const std::stop_token& stop) { sweep(stop); });
   }
 
   /// A page that has just asked hears that the run has ended, before the connection is gone.
@@ -185,6 +216,7 @@ class LiveServer::State {
 
   void stop() {
     tell_end();
+    sweeper_ = {};
     server_.stop();
     cut_off_clients(options_.port);
     if (thread_.joinable()) thread_.join();
@@ -193,6 +225,35 @@ class LiveServer::State {
   const LiveServerOptions& options() const { return options_; }
 
  private:
+  /// The status that refuses a request of a form no page of ours sends; 0: none.
+  static int malformed(const httplib::Request& request) {
+    if (request.get_header_value_count("Host") != 1) return kBadRequest;
+    if (!host_of(request.get_header_value("Host"))) return kBadRequest;
+    if (request.method != "GET" && request.method != "HEAD" && request.method != "POST") {
+      return kWrongMethod;
+    }
+    if (request.ranges.size() > 1) return kWrongRange;  // each would be copied
+    // Without a length there is no limit to what the library reads.
+    if (request.has_header("Transfer-Encoding")) return kNoLength;
+    if (request.method != "POST") return 0;
+    if (request.get_header_value_count("Content-Length") != 1) return kNoLength;
+    const auto length = length_of(request.get_header_value("Content-Length"));
+    return !length ? kBadRequest : *length > kLongestSkipped ? kTooLong : 0;
+  }
+
+  void know(const httplib::Request& request) {
+    const std::lock_guard lock(guard_mutex_);
+    guard_.asked(peer_of(request));
+  }
+
+  void sweep(const std::stop_token& stop) {
+    std::unique_lock lock(guard_mutex_);
+    while (!stop.stop_requested()) {
+      sweeping_.wait_for(lock, stop, kSweep, [] { return false; });
+      if (load_.all > 0) guard_.sweep(options_.port, Clock::now(), load_.waiting > 0);
+    }
+  }
+
   bool allowed(const httplib::Request& request) const {
     if (!options_.token.empty()) {
       const std::string given = request.has_header("X-Ydd-Token")
@@ -200,7 +261,12 @@ class LiveServer::State {
                                     : request.get_param_value("token");
       return same_token(given, options_.token);
     }
-    if (!is_loopback(host_of(request.get_header_value("Host")))) return false;
+    // A name that somebody else's DNS leads here is not one of these. The port may be another:
+    // that of a tunnel.
+    const std::optional<std::string> host = host_of(request.get_header_value("Host"));
+    if (host != "127.0.0.1" && host != "localhost" && host != "::1" && host != options_.address) {
+      return false;
+    }
     return request.method != "POST" || request.has_header("X-Ydd-Slam");
   }
 
@@ -244,6 +310,7 @@ class LiveServer::State {
   }
 
   void take_command(const httplib::Request& request, httplib::Response& response) {
+    know(request);
     const Result<LiveCommand> command = parse_live_command(request.body);
     if (!command) {
       response.status = kBadRequest;
@@ -261,8 +328,12 @@ class LiveServer::State {
   Cache state_, map_, picture_, trajectory_, ply_;
   std::atomic<Clock::time_point> last_asked_{Clock::time_point{}};
   std::atomic<bool> end_told_ = false;
+  Load load_;
+  std::mutex guard_mutex_;
+  std::condition_variable_any sweeping_;  // interrupts the wait between two sweeps
+  ConnectionGuard guard_;
   httplib::Server server_;
-  std::jthread thread_;
+  std::jthread thread_, sweeper_;
 };
 
 Result<LiveServerOptions> parse_live_address(std::string_view text, const std::string& token) {

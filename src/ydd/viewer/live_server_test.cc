@@ -6,6 +6,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -172,16 +174,114 @@ TEST_F(LiveServerTest, WithATokenNothingIsToldWithoutIt) {
   EXPECT_EQ(client().Get("/state.json", {{"X-Ydd-Token", "secret"}})->status, 200);
 }
 
-/// A connection that asks for something and never finishes asking.
-int hanging_client(int port) {
+/// A bare connection to the page.
+int connected(int port) {
   const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   ::inet_pton(AF_INET, "127.0.0.1", &address.sin_addr);
   EXPECT_EQ(::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+  return fd;
+}
+
+/// A connection that asks for something and never finishes asking.
+int hanging_client(int port) {
+  const int fd = connected(port);
   EXPECT_GT(::send(fd, "GET /frame.jpg HT", 17, MSG_NOSIGNAL), 0);
   return fd;
+}
+
+/// The status of the answer to these very bytes; 0 without one.
+int status_of(int port, const std::string& request) {
+  const int fd = connected(port);
+  EXPECT_GT(::send(fd, request.data(), request.size(), MSG_NOSIGNAL), 0);
+  std::string answer;
+  std::array<char, 512> part{};
+  for (ssize_t n; (n = ::recv(fd, part.data(), part.size(), 0)) > 0;) answer.append(part.data(), n);
+  ::close(fd);
+  return answer.starts_with("HTTP/1.1 ") ? std::stoi(answer.substr(9)) : 0;
+}
+
+TEST_F(LiveServerTest, OnlyItsOwnNamesAreAnswered) {
+  serve();
+  const int port = server_->port();
+  const auto asked = [&](const std::string& hosts) {
+    return status_of(port, "GET / HTTP/1.1\r\n" + hosts + "\r\n");
+  };
+  for (const char* const own :
+       {"127.0.0.1", "localhost", "LocalHost:8090", "[::1]:80", "127.0.0.1:65535"}) {
+    EXPECT_EQ(asked("Host: " + std::string(own) + "\r\n"), 200) << own;
+  }
+  for (const char* const other : {"127.0.0.1.evil.com", "127.evil.com:8090", "localhost.evil.com",
+                                  "localhost.", "evil.com", "127.0.0.2", "[::2]", "2130706433"}) {
+    EXPECT_EQ(asked("Host: " + std::string(other) + "\r\n"), 403) << other;
+  }
+  for (const char* const broken :
+       {"", "localhost:", "localhost:x", "localhost:65536", "localhost:80:80", "[::1", "::1",
+        "a@localhost", "evil.com/localhost"}) {
+    EXPECT_EQ(asked("Host: " + std::string(broken) + "\r\n"), 400) << broken;
+  }
+  EXPECT_EQ(asked(""), 400);
+  EXPECT_EQ(asked("Host: localhost\r\nHost: evil.com\r\n"), 400);
+}
+
+TEST_F(LiveServerTest, BodiesWithoutEndAndManyRangesAreRefused) {
+  serve();
+  process(0, 0);
+  const auto asked = [&](const std::string& line, const std::string& rest) {
+    return status_of(server_->port(),
+                     line + " HTTP/1.1\r\nHost: localhost\r\nX-Ydd-Slam: 1\r\n" + rest);
+  };
+  const std::string post = "POST /command", chunked = "Transfer-Encoding: chunked\r\n\r\n";
+  EXPECT_EQ(asked(post, "Content-Length: 5\r\n\r\npause"), 200);
+  EXPECT_EQ(asked(post, chunked), 411);
+  EXPECT_EQ(asked(post, "\r\n"), 411);
+  EXPECT_EQ(asked(post, "Content-Length: 5\r\nContent-Length: 6\r\n\r\n"), 411);
+  EXPECT_EQ(asked(post, "Content-Length: -1\r\n\r\n"), 400);
+  EXPECT_EQ(asked(post, "Content-Length: 99999999999999999999\r\n\r\n"), 400);
+  EXPECT_EQ(asked(post, "Content-Length: 100000000\r\n\r\n"), 413);
+  EXPECT_EQ(asked("PUT /command", chunked), 405);
+  EXPECT_EQ(asked("GET /map.ply", "Range: bytes=0-1\r\n\r\n"), 206);
+  EXPECT_EQ(asked("GET /map.ply", "Range: bytes=0-,0-,0-\r\n\r\n"), 416);
+}
+
+TEST_F(LiveServerTest, AHeaderWithoutEndIsCutOff) {
+  serve();
+  const int fd = connected(server_->port());
+  const std::string part(4096, 'x');
+  ASSERT_GT(::send(fd, "GET / HTTP/1.1\r\nX: ", 19, MSG_NOSIGNAL), 0);
+  while (::send(fd, part.data(), part.size(), MSG_NOSIGNAL) > 0) {
+  }
+  ::close(fd);
+  EXPECT_THAT(body("/"), HasSubstr("state.json"));
+}
+
+/// Sends a letter again and again until the server has enough of it.
+TEST_F(LiveServerTest, AClientThatDripsIsCutOff) {
+  serve();
+  const int fd = hanging_client(server_->port());
+  while (::send(fd, "x", 1, MSG_NOSIGNAL) > 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  ::close(fd);
+}
+
+TEST_F(LiveServerTest, ACrowdOfHangingClientsShutsNobodyOut) {
+  serve();
+  std::atomic<bool> done = false;
+  std::vector<int> clients;
+  for (int i = 0; i < 60; ++i) clients.push_back(hanging_client(server_->port()));
+  std::jthread drips([&] {  // so that the time of silence never ends
+    while (!done) {
+      for (const int fd : clients) ::send(fd, "x", 1, MSG_NOSIGNAL);
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  });
+  EXPECT_THAT(body("/"), HasSubstr("state.json"));
+  done = true;
+  drips.join();
+  for (const int fd : clients) ::close(fd);
 }
 
 TEST_F(LiveServerTest, ClientsThatHangHoldUpNeitherRunNorEnd) {
