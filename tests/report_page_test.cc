@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Reports as their readers meet them: in a browser.
+#include <fstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "browser.h"
 #include "small_world.h"
@@ -102,6 +105,31 @@ TEST(ReportPage, ShowsRunsSideBySide) {
   EXPECT_EQ(count_of(body, "class=\"estimate\""), 6U) << "three tracks in two views";
   EXPECT_THAT(body, HasSubstr("class=\"best\""));
   EXPECT_THAT(body, Not(HasSubstr("NaN")));
+}
+
+/// Frame numbers are shown by the plots' legends when the pointer is over a frame.
+TEST(ReportPage, TextInPlaceOfFrameNumbersStaysText) {
+  YDD_NEEDS_CHROMIUM();
+  const TemporaryFolder folder;
+  run_variant(folder / "full", "full");
+  auto frames = nlohmann::json::parse(read_file(folder / "full/frames.json").value());
+  for (auto& index : frames["index"]) index = "<img src=x onerror=document.title='owned'>";
+  for (auto& points : frames["points"]) points = "<img src=x onerror=document.title='owned'>";
+  frames["rejected"]["<img src=x>"] = frames["kept"];
+  std::ofstream(folder / "full/frames.json") << frames;
+  ASSERT_EQ(ydd_slam({"report", folder / "full"}).exit_code, 0);
+  std::string html = read_file(folder / "full/report.html").value();
+  const std::string nonce = html.substr(html.find("<script nonce="), 40);
+  const std::string hover = nonce.substr(0, nonce.find('>') + 1) +
+                            "for (const p of plots) if (p.overTime) p.setSelection(5);</script>";
+  html.insert(html.rfind("</body>"), hover);
+  std::ofstream(folder / "full/report.html") << html;
+  const Outcome page = dump_dom("file://" + (folder / "full/report.html").string());
+  expect_no_complaints(page);
+  const std::string body = body_of(page.out);
+  EXPECT_THAT(body, HasSubstr("frame &lt;img src=x onerror"));
+  EXPECT_THAT(body, Not(HasSubstr("<img src=\"x\"")));
+  EXPECT_THAT(page.out, Not(HasSubstr("<title>owned")));
 }
 
 }  // namespace
