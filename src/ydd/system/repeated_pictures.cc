@@ -28,7 +28,7 @@ bool is_flat(const DepthImage& depth_m) {
 
 }  // namespace
 
-std::string RepeatedPictures::doubt(const RgbdFrame& frame) {
+RepeatedPictures::Verdict RepeatedPictures::look(const RgbdFrame& frame) {
   const bool same_colour = same_pixels(frame.colour, colour_);
   const bool same_depth = same_pixels(frame.depth_m, depth_m_);
   // Both: a frame that was sent twice, from which nothing follows.
@@ -37,9 +37,10 @@ std::string RepeatedPictures::doubt(const RgbdFrame& frame) {
   colour_repeats_ = same_colour && !same_depth ? colour_repeats_ + 1 : 0;
   colour_ = frame.colour;
   depth_m_ = frame.depth_m;
-  if (depth_repeats_ > kHarmlessRepeats) return "the depth image stands still";
-  if (colour_repeats_ > kHarmlessRepeats) return "the colour image stands still";
-  return "";
+  Verdict verdict{depth_repeats_ + colour_repeats_ > 0, ""};
+  if (depth_repeats_ > kHarmlessRepeats) verdict.doubt = "the depth image stands still";
+  if (colour_repeats_ > kHarmlessRepeats) verdict.doubt = "the colour image stands still";
+  return verdict;
 }
 
 }  // namespace ydd

@@ -12,8 +12,12 @@ namespace ydd {
 /// than the colour camera. Thread: one.
 class RepeatedPictures {
  public:
-  /// Why the frame cannot be what the camera sees now; empty: no reason. Frames come in order.
-  std::string doubt(const RgbdFrame& frame);
+  struct Verdict {
+    bool stale = false;  ///< one picture is that of the frame before: nothing to keep
+    std::string doubt;   ///< why it cannot be what the camera sees now; empty: no reason
+  };
+  /// Frames come in order.
+  Verdict look(const RgbdFrame& frame);
 
  private:
   ColourImage colour_;  ///< of the frame before; empty: none

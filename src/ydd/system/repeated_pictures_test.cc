@@ -22,29 +22,33 @@ RgbdFrame frame(const Wall& wall, int colour, int depth) {
 TEST(RepeatedPictures, DepthThatStandsStillIsDoubtedAfterTwoRepeats) {
   const Wall wall(10);
   RepeatedPictures pictures;
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(pictures.doubt(frame(wall, i, 7)), "") << i;
-  EXPECT_EQ(pictures.doubt(frame(wall, 3, 7)), "the depth image stands still");
-  EXPECT_EQ(pictures.doubt(frame(wall, 4, 8)), "");
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(pictures.look(frame(wall, i, 7)).doubt, "") << i;
+  EXPECT_EQ(pictures.look(frame(wall, 3, 7)).doubt, "the depth image stands still");
+  EXPECT_EQ(pictures.look(frame(wall, 4, 8)).doubt, "");
 }
 
-TEST(RepeatedPictures, ASlowerDepthCameraIsFine) {
+TEST(RepeatedPictures, ASlowerDepthCameraIsFineButNoRepeatIsKept) {
   const Wall wall(10);
   RepeatedPictures pictures;
-  for (int i = 0; i < 9; ++i) EXPECT_EQ(pictures.doubt(frame(wall, i, i / 3)), "") << i;
+  for (int i = 0; i < 9; ++i) {
+    const RepeatedPictures::Verdict verdict = pictures.look(frame(wall, i, i / 3));
+    EXPECT_EQ(verdict.doubt, "") << i;
+    EXPECT_EQ(verdict.stale, i % 3 != 0) << i;
+  }
 }
 
 TEST(RepeatedPictures, ColourThatStandsStillToo) {
   const Wall wall(10);
   RepeatedPictures pictures;
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(pictures.doubt(frame(wall, 0, i)), "") << i;
-  EXPECT_EQ(pictures.doubt(frame(wall, 0, 3)), "the colour image stands still");
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(pictures.look(frame(wall, 0, i)).doubt, "") << i;
+  EXPECT_EQ(pictures.look(frame(wall, 0, 3)).doubt, "the colour image stands still");
 }
 
 TEST(RepeatedPictures, NothingFollowsFromAWholeFrameSentAgainOrAFlatDepth) {
   const Wall wall(10);
   RepeatedPictures pictures;
-  for (int i = 0; i < 6; ++i) EXPECT_EQ(pictures.doubt(frame(wall, 0, 7)), "") << i;
-  for (int i = 0; i < 6; ++i) EXPECT_EQ(pictures.doubt(wall.frame(i)), "") << i;
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(pictures.look(frame(wall, 0, 7)).doubt, "") << i;
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(pictures.look(wall.frame(i)).doubt, "") << i;
 }
 
 }  // namespace

@@ -123,7 +123,9 @@ void SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   tracked.index = frame.index;
   tracked.stamp = frame.stamp;
   tracked.observations = report.observations;
-  tracked.doubt = repeated_pictures_.doubt(frame);
+  const RepeatedPictures::Verdict repeated = repeated_pictures_.look(frame);
+  tracked.stale = repeated.stale;
+  tracked.doubt = repeated.doubt;
   if (options_.map.pictures) {
     tracked.picture = std::make_shared<const PictureSource>(
         PictureSource{frame.colour, frame.depth_m, report.judgement.regions});

@@ -21,7 +21,8 @@ struct TrackedFrame {
   std::shared_ptr<const PictureSource> picture;  ///< for a keyframe to keep; null: none
   SE3 T_camera_world;
   std::vector<MapPointId> points;  ///< per keypoint; empty id: none
-  std::string doubt;               ///< why its pictures are not to be believed; empty: no reason
+  bool stale = false;  ///< one of its pictures is an earlier frame's: it makes no keyframe
+  std::string doubt;   ///< why its pictures are not to be believed; empty: no reason
 
   const Features& features() const { return observations->features; }
 };

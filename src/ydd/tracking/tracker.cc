@@ -334,7 +334,7 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   result.points = frame.points;
   StageTimer timer(result.times, "keyframe_decision");
   const bool believed = doubt_.settle(frame.stamp);
-  if (!localization_only_ && believed &&
+  if (!localization_only_ && believed && !frame.stale &&
       needs_keyframe(situation(atlas, frame, result, mapper_idle), options_.keyframe)) {
     last_candidate_stamp_ = frame.stamp;
     result.candidate =
