@@ -7,13 +7,15 @@
 
 #include <fmt/format.h>
 
+#include "ydd/base/yaml_reader.h"
+
 namespace ydd {
 namespace {
 
 using Ints = std::vector<std::int64_t>;
 
 Error unsupported(const OnnxNode& node, const std::string& what) {
-  return {fmt::format("operator {}{}", node.op, what)};
+  return {fmt::format("operator {}{}", on_one_line(node.op), what)};
 }
 
 /// Both entries of a list of two.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/detection/network.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +11,8 @@
 #include "ydd/base/files.h"
 #include "ydd/base/log.h"
 #include "ydd/detection/network_backends.h"
+#include "ydd/detection/onnx_graph.h"
+#include "ydd/detection/onnx_sizes.h"
 
 namespace ydd {
 namespace {
@@ -33,6 +37,80 @@ SessionResult make_session(std::string_view onnx, const InferenceOptions& option
   if (options.backend == "onnxruntime") return make_onnxruntime_session(onnx, options);
   if (options.backend == "opencv") return make_opencv_session(onnx, options);
   return make_quickest_session(onnx, options);
+}
+
+/// Asks before each new size of input whether the network can be computed for it at all: libraries
+/// find out by themselves, but in 32 bits.
+class CheckedSession : public InferenceSession {
+ public:
+  CheckedSession(std::unique_ptr<InferenceSession> session, OnnxGraph graph)
+      : session_(std::move(session)), graph_(std::move(graph)) {}
+
+  Result<std::vector<Tensor>> run(const Tensor& input) override {
+    if (input.shape != checked_) {
+      const std::vector<std::int64_t> dims(input.shape.begin(), input.shape.end());
+      if (auto fits = check_sizes(graph_, dims); !fits) {
+        return Error{fmt::format("cannot take an input of {}: {}", format_shape(input.shape),
+                                 fits.error().message)};
+      }
+      checked_ = input.shape;
+    }
+    return session_->run(input);
+  }
+
+ private:
+  std::unique_ptr<InferenceSession> session_;
+  OnnxGraph graph_;
+  std::vector<int> checked_;
+};
+
+/// What its input is said to be must be one picture of three channels.
+Result<void> check_input(const OnnxGraph& graph) {
+  if (graph.inputs.size() != 1) {
+    return Error{fmt::format("has {} inputs; only networks that take one picture are run",
+                             graph.inputs.size())};
+  }
+  const std::vector<std::int64_t>& dims = graph.declared.find(graph.inputs.front())->second;
+  if (dims.empty()) return {};  // says nothing
+  if (dims.size() != 4) {
+    return Error{
+        fmt::format("takes an input of {} dimensions instead of pictures (batch, "
+                    "channels, height, width)",
+                    dims.size())};
+  }
+  if (dims[0] > 1) {
+    return Error{fmt::format("was exported for batches of {0}; export it with batch 1", dims[0])};
+  }
+  if (dims[3] == 3 && dims[1] != 3) {
+    return Error{"takes pictures with channels last; export it with channels first (NCHW)"};
+  }
+  if (dims[1] != 3 && dims[1] != -1) {
+    return Error{fmt::format("takes pictures of {} channels instead of 3", dims[1])};
+  }
+  return {};
+}
+
+/// The graph, when it can be computed.
+Result<OnnxGraph> read_sound_graph(std::string_view bytes) {
+  if (auto complete = check_onnx(bytes); !complete) return complete.error();
+  Result<OnnxGraph> graph = read_onnx(bytes);
+  if (!graph) return Error{"cannot load it: " + graph.error().message};
+  if (auto picture = check_input(*graph); !picture) return picture.error();
+  std::vector<std::int64_t> dims = graph->declared.find(graph->inputs.front())->second;
+  if (std::find(dims.begin(), dims.end(), -1) != dims.end()) dims.clear();
+  if (auto fits = check_sizes(*graph, dims); !fits) {
+    return Error{"cannot load it: " + fits.error().message};
+  }
+  return graph;
+}
+
+/// Sizes stay, weights go: the libraries have their own.
+OnnxGraph without_weights(OnnxGraph graph) {
+  constexpr std::size_t kSmall = 64;  // scales and the like are read again
+  for (auto& [name, tensor] : graph.constants) {
+    if (tensor.floats.size() > kSmall) std::vector<float>().swap(tensor.floats);
+  }
+  return graph;
 }
 
 }  // namespace
@@ -63,10 +141,12 @@ Result<std::unique_ptr<InferenceSession>> load_network(const std::filesystem::pa
   const auto failure = [&](const std::string& reason) {
     return Error{fmt::format("{}: {}", onnx_file.string(), reason)};
   };
-  if (auto complete = check_onnx(*bytes); !complete) return failure(complete.error().message);
+  Result<OnnxGraph> graph = read_sound_graph(*bytes);
+  if (!graph) return failure(graph.error().message);
   SessionResult session = make_session(*bytes, options);
   if (!session) return failure(session.error().message);
-  return session;
+  return std::unique_ptr<InferenceSession>(
+      std::make_unique<CheckedSession>(std::move(*session), without_weights(std::move(*graph))));
 }
 
 }  // namespace ydd

@@ -4,113 +4,29 @@
 #include "ydd/detection/onnx_graph.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "ydd/base/yaml_reader.h"
 #include "ydd/detection/protobuf_wire.h"
 
 namespace ydd {
 namespace {
 
-using Kind = WireField::Kind;
+/// Attributes may hold graphs, whose operators have attributes.
+constexpr int kDeepest = 8;
 
-/// Calls `take(field)` for every field of a message; it gives a Result<void>.
-template <class Take>
-Result<void> for_each_field(std::string_view message, Take take) {
-  while (!message.empty()) {
-    const Result<WireField> field = take_field(message);
-    if (!field) return field.error();
-    if (Result<void> taken = take(*field); !taken) return taken;
-  }
-  return {};
+Result<OnnxGraph> read_graph(std::string_view message, int depth);
+
+/// A graph inside an operator (If, Loop) is not kept, but no less to be sound.
+Result<void> check_inner(std::string_view message, int depth) {
+  if (depth >= kDeepest) return Error{"has graphs within graphs, too deep"};
+  const Result<OnnxGraph> inner = read_graph(message, depth + 1);
+  return inner ? Result<void>{} : Result<void>{inner.error()};
 }
 
-/// A repeated integer: packed into one field, or one field each.
-Result<void> append_integers(const WireField& field, std::vector<std::int64_t>& out) {
-  if (field.kind == Kind::number) {
-    out.push_back(static_cast<std::int64_t>(field.number));
-    return {};
-  }
-  for (std::string_view rest = field.bytes; !rest.empty();) {
-    const auto value = take_varint(rest);
-    if (!value) return Error{"damaged: a list of integers ends too early"};
-    out.push_back(static_cast<std::int64_t>(*value));
-  }
-  return {};
-}
-
-template <class Raw, class Value>
-void append_raw(std::string_view bytes, std::vector<Value>& out) {
-  for (; bytes.size() >= sizeof(Raw); bytes.remove_prefix(sizeof(Raw))) {
-    Raw value;
-    std::memcpy(&value, bytes.data(), sizeof(Raw));
-    out.push_back(static_cast<Value>(value));
-  }
-}
-
-void append_floats(const WireField& field, std::vector<float>& out) {
-  if (field.kind == Kind::fixed32) {
-    out.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(field.number)));
-  } else {
-    append_raw<float>(field.bytes, out);
-  }
-}
-
-struct NamedTensor {
-  std::string name;
-  OnnxTensor tensor;
-};
-
-Result<void> check_size(const NamedTensor& named) {
-  std::uint64_t size = 1;
-  for (const std::int64_t d : named.tensor.dims) {
-    if (d < 0 || d > (std::int64_t{1} << 31)) return Error{"damaged: a tensor of negative size"};
-    size *= static_cast<std::uint64_t>(d);
-    if (size > (std::uint64_t{1} << 40U)) return Error{"damaged: a tensor of impossible size"};
-  }
-  const std::size_t held = std::max(named.tensor.floats.size(), named.tensor.integers.size());
-  if (held == size) return {};
-  return Error{
-      fmt::format("damaged: tensor '{}' holds {} numbers instead of {}", named.name, held, size)};
-}
-
-Result<NamedTensor> read_tensor(std::string_view message) {
-  constexpr std::uint64_t kFloat = 1;
-  constexpr std::uint64_t kInt32 = 6;
-  constexpr std::uint64_t kInt64 = 7;
-  NamedTensor out;
-  std::uint64_t type = 0;
-  std::string_view raw;
-  bool external = false;
-  auto read = for_each_field(message, [&](const WireField& f) -> Result<void> {
-    if (f.id == 1) return append_integers(f, out.tensor.dims);
-    if (f.id == 2) type = f.number;
-    if (f.id == 4) append_floats(f, out.tensor.floats);
-    if (f.id == 5 || f.id == 7) return append_integers(f, out.tensor.integers);
-    if (f.id == 8) out.name = f.bytes;
-    if (f.id == 9) raw = f.bytes;
-    if (f.id == 14) external = f.number != 0;
-    return {};
-  });
-  if (!read) return read.error();
-  if (external) return Error{fmt::format("tensor '{}' lies in a file of its own", out.name)};
-  if (type != kFloat && type != kInt32 && type != kInt64) {
-    return Error{
-        fmt::format("tensor '{}' holds numbers of ONNX type {}; only 32-bit floats and "
-                    "integers are read",
-                    out.name, type)};
-  }
-  if (type == kFloat) append_raw<float>(raw, out.tensor.floats);
-  if (type == kInt32) append_raw<std::int32_t>(raw, out.tensor.integers);
-  if (type == kInt64) append_raw<std::int64_t>(raw, out.tensor.integers);
-  if (auto fits = check_size(out); !fits) return fits.error();
-  return out;
-}
-
-Result<void> read_attribute(std::string_view message, OnnxNode& node) {
+Result<void> read_attribute(std::string_view message, OnnxNode& node, int depth) {
   std::string name;
   OnnxAttribute attribute;
   auto read = for_each_field(message, [&](const WireField& f) -> Result<void> {
@@ -118,69 +34,136 @@ Result<void> read_attribute(std::string_view message, OnnxNode& node) {
     if (f.id == 2 || f.id == 7) append_floats(f, attribute.floats);
     if (f.id == 3 || f.id == 8) return append_integers(f, attribute.integers);
     if (f.id == 4) attribute.text = f.bytes;
+    if (f.id == 6 || f.id == 11) return check_inner(f.bytes, depth);
     if (f.id != 5) return {};
     Result<NamedTensor> tensor = read_tensor(f.bytes);
     if (!tensor) return tensor.error();
     attribute.tensor = std::move(tensor->tensor);
     return {};
   });
-  if (read) node.attributes[name] = std::move(attribute);
-  return read;
+  if (!read) return read;
+  if (!node.attributes.emplace(name, std::move(attribute)).second) {
+    return Error{fmt::format("damaged: {} has '{}' twice", describe(node), on_one_line(name))};
+  }
+  return {};
 }
 
-Result<OnnxNode> read_node(std::string_view message) {
+Result<OnnxNode> read_node(std::string_view message, int depth) {
   OnnxNode node;
   auto read = for_each_field(message, [&](const WireField& f) -> Result<void> {
     if (f.id == 1) node.inputs.emplace_back(f.bytes);
     if (f.id == 2) node.outputs.emplace_back(f.bytes);
     if (f.id == 4) node.op = f.bytes;
-    if (f.id == 5) return read_attribute(f.bytes, node);
+    if (f.id == 5) return read_attribute(f.bytes, node, depth);
     return {};
   });
   if (!read) return read.error();
   return node;
 }
 
-Result<std::string> read_name(std::string_view value_info) {
+struct DeclaredValue {
   std::string name;
-  auto read = for_each_field(value_info, [&](const WireField& f) -> Result<void> {
-    if (f.id == 1) name = f.bytes;
-    return {};
+  std::vector<std::int64_t> dims;
+};
+
+/// TensorShapeProto: a dimension has a value, or a name, or nothing.
+Result<std::vector<std::int64_t>> read_dims(std::string_view shape) {
+  std::vector<std::int64_t> dims;
+  auto read = for_each_field(shape, [&](const WireField& f) -> Result<void> {
+    if (f.id != 1) return {};
+    dims.push_back(-1);
+    return for_each_field(f.bytes, [&](const WireField& d) -> Result<void> {
+      if (d.id == 1) dims.back() = static_cast<std::int64_t>(d.number);
+      return {};
+    });
   });
   if (!read) return read.error();
-  return name;
+  return dims;
 }
 
-Result<void> add_node(std::string_view message, OnnxGraph& graph) {
-  Result<OnnxNode> node = read_node(message);
-  if (!node) return node.error();
-  if (node->op == "Constant" && node->attributes.contains("value") && node->outputs.size() == 1) {
-    graph.constants[node->outputs[0]] = std::move(node->attributes["value"].tensor);
-  } else {
-    graph.nodes.push_back(std::move(*node));
+/// ValueInfoProto: name, and type (1 of which is that of a tensor, 2 of which is its shape).
+Result<DeclaredValue> read_value(std::string_view message) {
+  DeclaredValue out;
+  const auto read_tensor_type = [&](const WireField& f) -> Result<void> {
+    if (f.id != 2) return {};
+    auto dims = read_dims(f.bytes);
+    if (!dims) return dims.error();
+    out.dims = std::move(*dims);
+    return {};
+  };
+  auto read = for_each_field(message, [&](const WireField& f) -> Result<void> {
+    if (f.id == 1) out.name = f.bytes;
+    if (f.id != 2) return {};
+    return for_each_field(f.bytes, [&](const WireField& type) -> Result<void> {
+      return type.id == 1 ? for_each_field(type.bytes, read_tensor_type) : Result<void>{};
+    });
+  });
+  if (!read) return read.error();
+  return out;
+}
+
+/// The value of a `Constant`, however it is spelled; null when it has none of the usual.
+OnnxTensor* constant_of(OnnxNode& node) {
+  if (node.op != "Constant" || node.outputs.size() != 1) return nullptr;
+  if (const auto whole = node.attributes.find("value"); whole != node.attributes.end()) {
+    return &whole->second.tensor;
   }
+  for (const char* name : {"value_float", "value_floats", "value_int", "value_ints"}) {
+    const auto found = node.attributes.find(name);
+    if (found == node.attributes.end()) continue;
+    OnnxAttribute& a = found->second;
+    a.tensor.floats = a.floats;
+    a.tensor.integers = a.integers;
+    const std::size_t count = std::max(a.floats.size(), a.integers.size());
+    if (std::string_view(name).ends_with('s')) {
+      a.tensor.dims = {static_cast<std::int64_t>(count)};
+    }
+    return &a.tensor;
+  }
+  return nullptr;
+}
+
+Result<void> keep_constant(const std::string& name, OnnxTensor tensor, OnnxGraph& graph) {
+  if (graph.constants.emplace(name, std::move(tensor)).second) return {};
+  return Error{fmt::format("damaged: the constant '{}' is there twice", on_one_line(name))};
+}
+
+Result<void> add_node(std::string_view message, OnnxGraph& graph, int depth) {
+  Result<OnnxNode> node = read_node(message, depth);
+  if (!node) return node.error();
+  if (OnnxTensor* constant = constant_of(*node)) {
+    return keep_constant(node->outputs[0], std::move(*constant), graph);
+  }
+  graph.nodes.push_back(std::move(*node));
   return {};
 }
 
-Result<OnnxGraph> read_graph(std::string_view message) {
+Result<void> add_interface(const WireField& field, OnnxGraph& graph) {
+  Result<DeclaredValue> value = read_value(field.bytes);
+  if (!value) return value.error();
+  constexpr std::uint64_t kInput = 11;
+  (field.id == kInput ? graph.inputs : graph.outputs).push_back(value->name);
+  graph.declared[value->name] = std::move(value->dims);
+  return {};
+}
+
+Result<OnnxGraph> read_graph(std::string_view message, int depth) {
   OnnxGraph graph;
   auto read = for_each_field(message, [&](const WireField& f) -> Result<void> {
-    if (f.id == 1) return add_node(f.bytes, graph);
-    if (f.id == 5) {
-      Result<NamedTensor> tensor = read_tensor(f.bytes);
-      if (!tensor) return tensor.error();
-      graph.constants[tensor->name] = std::move(tensor->tensor);
-    }
-    if (f.id == 11 || f.id == 12) {
-      Result<std::string> name = read_name(f.bytes);
-      if (!name) return name.error();
-      (f.id == 11 ? graph.inputs : graph.outputs).push_back(std::move(*name));
-    }
-    return {};
+    if (f.id == 1) return add_node(f.bytes, graph, depth);
+    if (f.id == 11 || f.id == 12) return add_interface(f, graph);
+    if (f.id != 5) return {};
+    Result<NamedTensor> tensor = read_tensor(f.bytes);
+    if (!tensor) return tensor.error();
+    return keep_constant(tensor->name, std::move(tensor->tensor), graph);
   });
   if (!read) return read.error();
   std::erase_if(graph.inputs,
                 [&](const std::string& name) { return graph.constants.contains(name); });
+  // An inner graph also reads values of the one around it.
+  if (auto sound = depth == 0 ? check_graph(graph) : check_attributes(graph); !sound) {
+    return sound.error();
+  }
   return graph;
 }
 
@@ -219,7 +202,7 @@ Result<OnnxGraph> read_onnx(std::string_view bytes) {
   });
   if (!read) return read.error();
   if (graph.empty()) return Error{"holds no network"};
-  return read_graph(graph);
+  return read_graph(graph, 0);
 }
 
 }  // namespace ydd

@@ -8,15 +8,9 @@
 #include <vector>
 
 #include "ydd/base/result.h"
+#include "ydd/detection/onnx_tensor.h"
 
 namespace ydd {
-
-/// A constant of a network, row-major: numbers of one of the two kinds.
-struct OnnxTensor {
-  std::vector<std::int64_t> dims;
-  std::vector<float> floats;
-  std::vector<std::int64_t> integers;
-};
 
 struct OnnxAttribute {
   std::vector<std::int64_t> integers;
@@ -44,10 +38,24 @@ struct OnnxGraph {
   std::map<std::string, OnnxTensor, std::less<>> constants;
   std::vector<std::string> inputs;  ///< without those that are constants
   std::vector<std::string> outputs;
+  /// What the file says about the sizes of inputs and outputs; -1: open.
+  std::map<std::string, std::vector<std::int64_t>, std::less<>> declared;
 };
 
-/// Reads a model (onnx.proto; tensors of 32-bit floats and of 32- or 64-bit integers, inside the
-/// file). The failure does not name the file.
+/// Reads a model (onnx.proto) whose tensors lie inside the file, and checks all that can be told
+/// without knowing the size of the input (check_graph). The failure does not name the file.
 Result<OnnxGraph> read_onnx(std::string_view bytes);
+
+/// Whether a graph can be computed at all: every value is made once, before it is read, operators
+/// have the inputs that they need, and every number among their attributes is one that a network
+/// can have, so that who computes with them needs no doubts (`strides: [4294967296, 1]` is 0 in 32
+/// bits). The failure names the operator.
+Result<void> check_graph(const OnnxGraph& graph);
+
+/// Of these, the part about attributes.
+Result<void> check_attributes(const OnnxGraph& graph);
+
+/// "operator Conv (makes 'features')": for errors, on one line.
+std::string describe(const OnnxNode& node);
 
 }  // namespace ydd

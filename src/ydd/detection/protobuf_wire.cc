@@ -65,4 +65,17 @@ Result<WireField> take_field(std::string_view& bytes) {
   return field;
 }
 
+Result<void> append_integers(const WireField& field, std::vector<std::int64_t>& out) {
+  if (field.kind == WireField::Kind::number) {
+    out.push_back(static_cast<std::int64_t>(field.number));
+    return {};
+  }
+  for (std::string_view rest = field.bytes; !rest.empty();) {
+    const auto value = take_varint(rest);
+    if (!value) return Error{"damaged: a list of integers ends too early"};
+    out.push_back(static_cast<std::int64_t>(*value));
+  }
+  return {};
+}
+
 }  // namespace ydd

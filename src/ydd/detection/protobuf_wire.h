@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "ydd/base/result.h"
 
@@ -24,5 +25,19 @@ std::optional<std::uint64_t> take_varint(std::string_view& bytes);
 /// Takes the first field off `bytes`. Fails with "truncated: ..." when more bytes are announced
 /// than there are, and with "not an ONNX file" at a kind of field that ONNX does not use.
 Result<WireField> take_field(std::string_view& bytes);
+
+/// Calls `take(field)` for every field of a message; it gives a Result<void>.
+template <class Take>
+Result<void> for_each_field(std::string_view message, Take take) {
+  while (!message.empty()) {
+    const Result<WireField> field = take_field(message);
+    if (!field) return field.error();
+    if (Result<void> taken = take(*field); !taken) return taken;
+  }
+  return {};
+}
+
+/// A repeated integer: packed into one field, or one field each.
+Result<void> append_integers(const WireField& field, std::vector<std::int64_t>& out);
 
 }  // namespace ydd

@@ -43,6 +43,16 @@ inline std::string tensor(std::string_view name, const std::vector<std::uint64_t
   return out + number(2, 1) + bytes(8, name) + bytes(9, raw);
 }
 
+/// A tensor of 64-bit integers.
+inline std::string integer_tensor(std::string_view name, const std::vector<std::uint64_t>& dims,
+                                  const std::vector<std::int64_t>& values) {
+  std::string raw(values.size() * sizeof(std::int64_t), '\0');
+  std::memcpy(raw.data(), values.data(), raw.size());
+  std::string out;
+  for (const std::uint64_t d : dims) out += number(1, d);
+  return out + number(2, 7) + bytes(8, name) + bytes(9, raw);
+}
+
 /// A float tensor of the graph's interface; a dim of 0 stays open.
 inline std::string value_info(std::string_view name, const std::vector<std::uint64_t>& dims) {
   std::string shape;
