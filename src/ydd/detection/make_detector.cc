@@ -123,7 +123,10 @@ Result<std::unique_ptr<Detector>> make_one(const NetworkConfig& network,
                                            std::vector<YoloClass> classes) {
   const auto model = find_model(network, config);
   if (!model) return model.error();
-  auto session = load_network(*model, network.inference);
+  InferenceOptions inference = network.inference;
+  inference.input_width_px = network.input_width_px;
+  inference.input_height_px = network.input_height_px;
+  auto session = load_network(*model, inference);
   if (!session) return session.error();
   auto detector =
       YoloDetector::make(std::move(session).value(), settings_of(network, std::move(classes)));

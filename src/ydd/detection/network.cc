@@ -2,6 +2,7 @@
 #include "ydd/detection/network.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <utility>
 
@@ -90,15 +91,26 @@ Result<void> check_input(const OnnxGraph& graph) {
   return {};
 }
 
+/// What the input will be like as far as file and options tell; empty when something stays open.
+std::vector<std::int64_t> input_dims(const OnnxGraph& graph, const InferenceOptions& options) {
+  std::vector<std::int64_t> dims = graph.declared.find(graph.inputs.front())->second;
+  if (dims.empty()) dims.assign(4, -1);
+  const std::array<std::int64_t, 4> wanted = {1, 3, options.input_height_px,
+                                              options.input_width_px};
+  for (std::size_t i = 0; i < dims.size(); ++i) {
+    if (dims[i] == -1 && wanted[i] > 0) dims[i] = wanted[i];
+  }
+  if (std::find(dims.begin(), dims.end(), -1) != dims.end()) dims.clear();
+  return dims;
+}
+
 /// The graph, when it can be computed.
-Result<OnnxGraph> read_sound_graph(std::string_view bytes) {
+Result<OnnxGraph> read_sound_graph(std::string_view bytes, const InferenceOptions& options) {
   if (auto complete = check_onnx(bytes); !complete) return complete.error();
   Result<OnnxGraph> graph = read_onnx(bytes);
   if (!graph) return Error{"cannot load it: " + graph.error().message};
   if (auto picture = check_input(*graph); !picture) return picture.error();
-  std::vector<std::int64_t> dims = graph->declared.find(graph->inputs.front())->second;
-  if (std::find(dims.begin(), dims.end(), -1) != dims.end()) dims.clear();
-  if (auto fits = check_sizes(*graph, dims); !fits) {
+  if (auto fits = check_sizes(*graph, input_dims(*graph, options)); !fits) {
     return Error{"cannot load it: " + fits.error().message};
   }
   return graph;
@@ -141,7 +153,7 @@ Result<std::unique_ptr<InferenceSession>> load_network(const std::filesystem::pa
   const auto failure = [&](const std::string& reason) {
     return Error{fmt::format("{}: {}", onnx_file.string(), reason)};
   };
-  Result<OnnxGraph> graph = read_sound_graph(*bytes);
+  Result<OnnxGraph> graph = read_sound_graph(*bytes, options);
   if (!graph) return failure(graph.error().message);
   SessionResult session = make_session(*bytes, options);
   if (!session) return failure(session.error().message);

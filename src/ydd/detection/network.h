@@ -40,6 +40,8 @@ struct InferenceOptions {
   std::string precision = "auto";
   int threads = 1;
   std::string onnxruntime{};  ///< shared library
+  /// The size of picture that it will get, where the file leaves it open; 0: not known yet.
+  int input_width_px = 0, input_height_px = 0;
   void describe(OptionTable& table);
 };
 

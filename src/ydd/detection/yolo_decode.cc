@@ -18,11 +18,12 @@ struct NamedKind {
   YoloKind kind;
   std::string_view name;
 };
-constexpr std::array<NamedKind, 5> kKinds = {{{YoloKind::yolov5, "yolov5"},
+constexpr std::array<NamedKind, 6> kKinds = {{{YoloKind::yolov5, "yolov5"},
                                               {YoloKind::yolov5_heads, "yolov5_heads"},
                                               {YoloKind::yolov5_logits, "yolov5_logits"},
                                               {YoloKind::yolox_heads, "yolox_heads"},
-                                              {YoloKind::yolov8, "yolov8"}}};
+                                              {YoloKind::yolov8, "yolov8"},
+                                              {YoloKind::end_to_end, "end_to_end"}}};
 
 constexpr std::array<int, 3> kStrides = {8, 16, 32};
 constexpr int kAnchorsPerCell = 3;
@@ -51,6 +52,11 @@ std::vector<int> head_shape(const YoloShape& shape, int stride, int channels) {
   return {1, channels, shape.height_px / stride, shape.width_px / stride};
 }
 
+/// A size that any number fits.
+constexpr int kAnySize = -1;
+/// Corners, score, class.
+constexpr int kEndToEndRow = 6;
+
 /// What `kind` must give: one shape, or one per stride.
 std::vector<std::vector<int>> expected_shapes(YoloKind kind, const YoloShape& shape) {
   const int cells = cell_count(shape);
@@ -60,6 +66,8 @@ std::vector<std::vector<int>> expected_shapes(YoloKind kind, const YoloShape& sh
       return {{1, kAnchorsPerCell * cells, row}};
     case YoloKind::yolov8:
       return {{1, 4 + shape.class_count, cells}};
+    case YoloKind::end_to_end:
+      return {{1, kAnySize, kEndToEndRow}};
     case YoloKind::yolov5_heads:
     case YoloKind::yolov5_logits:
     case YoloKind::yolox_heads:
@@ -73,8 +81,11 @@ std::vector<std::vector<int>> expected_shapes(YoloKind kind, const YoloShape& sh
 }
 
 const Tensor* find_shape(std::span<const Tensor> outputs, const std::vector<int>& shape) {
-  const auto found = std::find_if(outputs.begin(), outputs.end(),
-                                  [&](const Tensor& t) { return t.shape == shape; });
+  const auto fits = [&](const Tensor& t) {
+    return std::equal(t.shape.begin(), t.shape.end(), shape.begin(), shape.end(),
+                      [](int is, int wanted) { return is == wanted || wanted == kAnySize; });
+  };
+  const auto found = std::find_if(outputs.begin(), outputs.end(), fits);
   return found == outputs.end() ? nullptr : &*found;
 }
 
@@ -128,6 +139,16 @@ std::optional<KindAndClasses> recognise_other_class_count(std::span<const Tensor
     }
   }
   return std::nullopt;
+}
+
+/// Mask prototypes beside the boxes: [1, M, H/4, W/4] with M coefficients in each box's row.
+const Tensor* find_mask_prototypes(std::span<const Tensor> outputs, const YoloShape& shape) {
+  constexpr int kMaskStride = 4;
+  const auto found = std::find_if(outputs.begin(), outputs.end(), [&](const Tensor& t) {
+    return t.shape.size() == 4 && t.shape[2] == shape.height_px / kMaskStride &&
+           t.shape[3] == shape.width_px / kMaskStride;
+  });
+  return found == outputs.end() ? nullptr : &*found;
 }
 
 bool all_probabilities(std::span<const Tensor* const> heads) {
@@ -243,6 +264,16 @@ void decode_columns(const Tensor& output, const YoloShape& shape, Collector& out
   }
 }
 
+/// Rows `x0 y0 x1 y1 score class` in input pixels; what is left over is filled with zeros.
+void decode_end_to_end(const Tensor& output, Collector& out) {
+  for (std::size_t at = 0; at + kEndToEndRow <= output.values.size(); at += kEndToEndRow) {
+    const float* row = output.values.data() + at;
+    constexpr float kMostClasses = 65536;
+    if (!(row[5] >= 0 && row[5] < kMostClasses)) continue;
+    out.add({row[0], row[1], row[2], row[3]}, static_cast<int>(std::lround(row[5])), row[4]);
+  }
+}
+
 /// One stride of YOLOv5 (v6 of the network), for the cell (gx, gy) and anchor (aw, ah):
 ///   cx = (2 t0 - 0.5 + gx) s    cy = (2 t1 - 0.5 + gy) s    w = (2 t2)^2 aw    h = (2 t3)^2 ah
 /// with t already through the sigmoid; score = objectness t4 * best class.
@@ -321,10 +352,18 @@ Result<YoloKind> recognise_yolo(std::span<const Tensor> outputs, const YoloShape
   if (const auto heads = select_outputs(YoloKind::yolov5_heads, outputs, shape)) {
     return all_probabilities(*heads) ? YoloKind::yolov5_heads : YoloKind::yolov5_logits;
   }
+  if (const Tensor* masks = find_mask_prototypes(outputs, shape)) {
+    return Error{fmt::format(
+        "is a segmentation network (it gives mask prototypes {} beside its boxes); export the "
+        "detection network instead",
+        format_shape(masks->shape))};
+  }
   if (const auto other = recognise_other_class_count(outputs, shape)) {
     return Error{fmt::format("is a {} network of {} classes, but its class table has {}",
                              to_string(other->kind), other->class_count, shape.class_count)};
   }
+  // Last: any number of rows fits, and so would a yolov5 network of one class.
+  if (select_outputs(YoloKind::end_to_end, outputs, shape)) return YoloKind::end_to_end;
   return Error{fmt::format("{}: not a known kind of YOLO network; known are {}",
                            describe(outputs, shape), fmt::join(yolo_kind_names(), ", "))};
 }
@@ -348,6 +387,9 @@ std::vector<Candidate> decode_yolo(YoloKind kind, std::span<const Tensor> output
         break;
       case YoloKind::yolov8:
         decode_columns(output, shape, out);
+        break;
+      case YoloKind::end_to_end:
+        decode_end_to_end(output, out);
         break;
       case YoloKind::yolov5_heads:
       case YoloKind::yolov5_logits:

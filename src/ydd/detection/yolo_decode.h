@@ -20,6 +20,7 @@ enum class YoloKind {
   yolov5_logits,  ///< the same before the sigmoid
   yolox_heads,    ///< per stride [1, 5 + C, H/s, W/s], sigmoid done for objectness and classes
   yolov8,         ///< decoded in the graph: [1, 4 + C, N], N = sum HW/s^2
+  end_to_end,     ///< decoded and suppressed in the graph: [1, N, 6], x0 y0 x1 y1 score class
 };
 
 /// "yolov5", "yolov5_heads", ... as in configurations.
@@ -36,7 +37,8 @@ struct YoloShape {
 
 /// The kind that fits the shapes of `outputs` (a network's answer to any input); values outside
 /// [0, 1] tell logits from probabilities. Where a network gives its decoded boxes beside its raw
-/// heads, the decoded ones count. The failure lists the shapes, or says how many classes would fit.
+/// heads, the decoded ones count. The failure lists the shapes, or says how many classes would fit,
+/// or that it is a segmentation network.
 Result<YoloKind> recognise_yolo(std::span<const Tensor> outputs, const YoloShape& shape);
 
 /// Whether `outputs` can be decoded as `kind`; the failure lists the shapes and what was expected.
@@ -44,9 +46,9 @@ Result<void> check_outputs(YoloKind kind, std::span<const Tensor> outputs, const
 
 /// A box with its best class, before non-maximum suppression.
 struct Candidate {
-  Box box_input;  ///< pixels of the network's input
-  int class_index = 0;
-  float score = 0;  ///< objectness times class (yolov8: class), in [0, 1]
+  Box box_input;        ///< pixels of the network's input
+  int class_index = 0;  ///< end_to_end: as the network says, which may know more classes
+  float score = 0;      ///< objectness times class (yolov8: class), in [0, 1]
 };
 
 /// All boxes with a score of at least `score_threshold`, in the order of the outputs; a box that is

@@ -182,6 +182,29 @@ TEST(YoloDecode, AnotherNetworkOrAnotherClassTableIsAnError) {
   EXPECT_THROW(decode_yolo(YoloKind::yolov5, views(heads(kRow)), kShape, 0.3F), std::logic_error);
 }
 
+TEST(YoloDecode, SuppressionInTheGraphGivesCorners) {
+  Output output({1, 300, 6});
+  const std::array<float, 12> rows = {4, 6, 20, 30, 0.9F, 1, 0, 0, 9, 9, 0.4F, 57};
+  std::copy(rows.begin(), rows.end(), output.values.begin());
+  EXPECT_EQ(recognise_yolo(views({output}), kShape).value(), YoloKind::end_to_end);
+  const auto found = decode_yolo(YoloKind::end_to_end, views({output}), kShape, 0.3F);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].box_input, (Box{4, 6, 20, 30}));
+  EXPECT_EQ(found[0].class_index, 1);
+  EXPECT_FLOAT_EQ(found[0].score, 0.9F);
+  EXPECT_EQ(found[1].class_index, 57) << "whoever reads it knows how many classes there are";
+  const auto one_class = recognise_yolo(views({Output({1, 3 * kCells, 6})}), kShape);
+  ASSERT_FALSE(one_class.ok());
+  EXPECT_THAT(one_class.error().message, HasSubstr("yolov5 network of 1 classes"));
+}
+
+TEST(YoloDecode, ASegmentationNetworkIsSaidToBeOne) {
+  const auto kind =
+      recognise_yolo(views({Output({1, 38, kCells}), Output({1, 32, 24, 16})}), kShape);
+  ASSERT_FALSE(kind.ok());
+  EXPECT_THAT(kind.error().message, HasSubstr("is a segmentation network"));
+}
+
 TEST(YoloDecode, TheOrderOfChannelsInMemoryDoesNotMatter) {
   for (const auto& [kind, channels] :
        {std::pair{YoloKind::yolov5_heads, 3 * kRow}, std::pair{YoloKind::yolox_heads, kRow}}) {

@@ -91,6 +91,11 @@ Result<Detections> YoloDetector::detect(const RgbdFrame& frame) {
   Detections found;
   for (const Candidate& c :
        decode_yolo(kind_, *outputs, shape_, least_threshold(settings_.classes))) {
+    if (c.class_index >= shape_.class_count) {
+      return Error{fmt::format(
+          "frame {}: the network found its class {} (counted from 0), but its class table has {}",
+          frame.index, c.class_index, shape_.class_count)};
+    }
     const YoloClass& its_class = settings_.classes[static_cast<std::size_t>(c.class_index)];
     if (its_class.name.empty() || c.score < its_class.score_threshold) continue;
     found.push_back({its_class.name, c.score, to_image(c.box_input, place)});

@@ -80,6 +80,29 @@ TEST(YoloDetector, FindsPatchesWithTheirClassAndPlace) {
   EXPECT_EQ((*found)[1].class_name, "blue");
 }
 
+/// Says the same to every picture.
+class Parrot : public InferenceSession {
+ public:
+  explicit Parrot(std::vector<float> row) : values_(std::move(row)) {}
+  Result<std::vector<Tensor>> run(const Tensor&) override {
+    return std::vector<Tensor>{{{1, 1, 6}, values_}};
+  }
+
+ private:
+  std::vector<float> values_;
+};
+
+TEST(YoloDetector, AClassThatTheTableLacksIsAnError) {
+  auto detector = YoloDetector::make(
+      std::make_unique<Parrot>(std::vector<float>{8, 8, 40, 40, 0.9F, 3}), colours());
+  ASSERT_TRUE(detector.ok()) << detector.error().message;
+  EXPECT_EQ((*detector)->kind(), YoloKind::end_to_end);
+  const auto found = (*detector)->detect(picture(128, 96, {}));
+  ASSERT_FALSE(found.ok());
+  EXPECT_THAT(found.error().message,
+              HasSubstr("class 3 (counted from 0), but its class table has 3"));
+}
+
 TEST(YoloDetector, GivesBoxesInPixelsOfTheImageWhateverTheInputSize) {
   // Half the size, 16 rows of margin above: the patch is seen at (20, 16 + 16).
   const auto detector = colour_spotter(colours(64, 96));
