@@ -19,6 +19,8 @@ void add_input_options(CLI::App& command, RunRequest& request) {
                      "File that pairs colour and depth images");
   command.add_option("--max-difference", request.max_difference_s,
                      "Largest time between paired images in seconds");
+  command.add_option("--depth-offset", request.depth_offset,
+                     "Seconds to add to the stamps of depth images, or auto: look at the pictures");
   command
       .add_option("--start-frame", request.first_frame, "Leave out so many frames at the beginning")
       ->check(CLI::Range(0, 1000000000));

@@ -49,6 +49,7 @@ Result<Configuration> effective_configuration(const RunRequest& request) {
       return r.error();
     }
   }
+  if (request.depth_offset) out.sequence.depth_offset = *request.depth_offset;
   if (request.first_frame) out.sequence.first_frame = *request.first_frame;
   if (request.max_frames) out.sequence.max_frames = *request.max_frames;
   if (request.associations) {  // the configuration may be fed back in another folder

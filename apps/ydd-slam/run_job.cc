@@ -11,6 +11,7 @@
 #include "run_map.h"
 #include "run_results.h"
 #include "run_watch.h"
+#include "ydd/base/log.h"
 #include "ydd/base/timing.h"
 
 namespace ydd::app {
@@ -26,12 +27,26 @@ struct Inputs {
   std::optional<Atlas> map;
 };
 
+/// Images without a partner are told: they are not part of the run.
+void tell_pairing(const Sequence& sequence, const SequenceOptions& options) {
+  const std::optional<Pairing>& pairing = sequence.pairing();
+  if (!pairing) return;
+  log::info("{} pairs of {} colour and {} depth images", pairing->pairs, pairing->colour_images,
+            pairing->depth_images);
+  if (options.depth_offset == "auto") {
+    log::info("depth offset found in the pictures: {:.4f} s", pairing->depth_offset_s);
+  }
+  const std::string warning = pairing_warning(*pairing, options.max_difference_s);
+  if (!warning.empty()) log::warning("{}: {}", sequence.folder().string(), warning);
+}
+
 Result<Inputs> open_inputs(const RunRequest& asked) {
   if (auto r = check_watchers(asked); !r) return r.error();
   Result<Configuration> configuration = effective_configuration(asked);
   if (!configuration) return configuration.error();
   Result<Sequence> sequence = Sequence::open(asked.sequence, configuration->sequence);
   if (!sequence) return sequence.error();
+  tell_pairing(*sequence, configuration->sequence);
   Result<RunRequest> request = with_detector(asked, configuration->options.dynamics.variant);
   if (!request) return request.error();
   Result<ObjectCatalogue> catalogue = run_catalogue(*request);

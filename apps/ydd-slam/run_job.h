@@ -49,6 +49,7 @@ struct RunRequest {
   std::optional<int> first_frame;          ///< configuration's
   std::optional<int> max_frames;
   std::optional<std::string> associations;
+  std::optional<std::string> depth_offset;
   ViewRequest view;
   std::optional<std::string> serve;  ///< address of the live page; empty: the default one
   std::string serve_token;

@@ -2,12 +2,16 @@
 #include "ydd/dataset/tum_sequence.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "ydd/dataset/association.h"
+#include "ydd/dataset/depth_offset.h"
 #include "ydd/dataset/text_table.h"
 #include "ydd/image/decode.h"
 
@@ -54,25 +58,66 @@ double smallest_difference_s(const std::vector<Timestamp>& a, const std::vector<
   return smallest;
 }
 
-Result<std::vector<SequenceEntry>> pair_by_time(const fs::path& folder, double max_difference_s) {
+/// Seconds, or nothing for "auto".
+Result<std::optional<double>> parse_depth_offset(const std::string& text) {
+  if (text == "auto") return std::optional<double>();
+  constexpr double kMost_s = 1e6;
+  double seconds = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, seconds);
+  if (error == std::errc() && stop == end && std::abs(seconds) <= kMost_s) {
+    return std::optional(seconds);
+  }
+  return Error{fmt::format(
+      "sequence.depth_offset (--depth-offset): expected seconds (at most {:g}) or 'auto', found "
+      "'{}'",
+      kMost_s, text)};
+}
+
+Result<double> find_depth_offset_s(const StampedFiles& colour, const StampedFiles& depth) {
+  const auto read_grey = [&](std::size_t i) -> Result<GreyImage> {
+    const Result<ColourImage> image = load_colour(colour.files[i]);
+    if (!image) return image.error();
+    return to_grey(*image);
+  };
+  const auto read_depth = [&](std::size_t i) { return load_raw_depth(depth.files[i]); };
+  return estimate_depth_offset_s(colour.stamps, depth.stamps, {read_grey, read_depth});
+}
+
+struct Paired {
+  std::vector<SequenceEntry> entries;
+  std::optional<Pairing> pairing;
+};
+
+Result<Paired> pair_by_time(const fs::path& folder, const SequenceOptions& options) {
+  const Result<std::optional<double>> given_s = parse_depth_offset(options.depth_offset);
+  if (!given_s) return given_s.error();
   const Result<StampedFiles> colour = read_list(folder, "rgb.txt");
   if (!colour) return colour.error();
   const Result<StampedFiles> depth = read_list(folder, "depth.txt");
   if (!depth) return depth.error();
-  std::vector<SequenceEntry> entries;
-  for (const auto& [c, d] : associate(colour->stamps, depth->stamps, max_difference_s)) {
-    entries.push_back({colour->stamps[c], depth->stamps[d], colour->files[c], depth->files[d]});
-  }
-  if (entries.empty()) {
+  const Result<double> offset_s =
+      *given_s ? Result<double>(**given_s) : find_depth_offset_s(*colour, *depth);
+  if (!offset_s) return Error{fmt::format("{}: {}", folder.string(), offset_s.error().message)};
+  std::vector<Timestamp> shifted = depth->stamps;
+  for (Timestamp& stamp : shifted) stamp.ns += std::llround(*offset_s * 1e9);
+  const double tolerance_s = options.max_difference_s;
+  const std::vector<IndexPair> pairs = associate(colour->stamps, shifted, tolerance_s);
+  if (pairs.empty()) {
     return Error{fmt::format(
         "{}: no colour image within {} s of a depth image (the closest two are {:.6f} s apart); "
-        "check the stamps in rgb.txt and depth.txt or raise the tolerance",
-        folder.string(), max_difference_s, smallest_difference_s(colour->stamps, depth->stamps))};
+        "check the stamps in rgb.txt and depth.txt, or give --depth-offset or --max-difference",
+        folder.string(), tolerance_s, smallest_difference_s(colour->stamps, shifted))};
   }
-  return entries;
+  Paired out;
+  for (const auto& [c, d] : pairs) {
+    out.entries.push_back({colour->stamps[c], shifted[d], colour->files[c], depth->files[d]});
+  }
+  out.pairing = judge_pairing(colour->stamps, shifted, pairs, tolerance_s, *offset_s);
+  return out;
 }
 
-Result<std::vector<SequenceEntry>> read_associations(const fs::path& folder, const fs::path& file) {
+Result<Paired> read_associations(const fs::path& folder, const fs::path& file) {
   const Result<TextTable> table = read_text_table(file);
   if (!table) return table.error();
   std::vector<SequenceEntry> entries;
@@ -88,7 +133,7 @@ Result<std::vector<SequenceEntry>> read_associations(const fs::path& folder, con
     entries.push_back({*stamp, *depth_stamp, folder / row.fields[1], folder / row.fields[3]});
   }
   if (entries.empty()) return Error{fmt::format("{}: lists no image", file.string())};
-  return entries;
+  return Paired{std::move(entries), std::nullopt};
 }
 
 Error size_error(const fs::path& file, std::size_t frame, int width, int height,
@@ -104,6 +149,9 @@ void SequenceOptions::describe(OptionTable& table) {
             "a colour and a depth image farther apart in time are no pair");
   table.add("associations", associations, {},
             "file with 'time colour time depth' lines to use instead of pairing by time");
+  table.add("depth_offset", depth_offset, {},
+            "seconds to add to the stamps of depth images before pairing by time; auto: found by "
+            "laying edges of depth over the colour images");
   table.add("first_frame", first_frame, {0, 1'000'000'000}, "frames",
             "leave out so many frames at the beginning");
   table.add("max_frames", max_frames, {0, 1'000'000'000}, "frames",
@@ -116,12 +164,14 @@ Result<Sequence> Sequence::open(const fs::path& folder, const SequenceOptions& o
     return Error{fmt::format("{}: is not a folder; give the one that holds rgb.txt and depth.txt",
                              folder.string())};
   }
-  auto entries = options.associations.empty() ? pair_by_time(folder, options.max_difference_s)
-                                              : read_associations(folder, options.associations);
-  if (!entries) return entries.error();
+  Result<Paired> paired = options.associations.empty()
+                              ? pair_by_time(folder, options)
+                              : read_associations(folder, options.associations);
+  if (!paired) return paired.error();
   Sequence sequence;
   sequence.folder_ = folder;
-  sequence.entries_ = *std::move(entries);
+  sequence.entries_ = std::move(paired->entries);
+  sequence.pairing_ = paired->pairing;
   if (options.first_frame > 0) {
     if (static_cast<std::size_t>(options.first_frame) >= sequence.size()) {
       return Error{fmt::format("{}: has {} frames, none of them is number {}", folder.string(),

@@ -67,6 +67,15 @@ Json loops_to_json(const std::vector<LoopReport>& loops) {
   return out;
 }
 
+/// What an image list had, and what found a partner.
+Json to_json(const Pairing& pairing) {
+  return {{"colour_images", pairing.colour_images},
+          {"depth_images", pairing.depth_images},
+          {"pairs", pairing.pairs},
+          {"depth_offset_s", pairing.depth_offset_s},
+          {"depth_later_s", pairing.depth_later_s}};
+}
+
 }  // namespace
 
 double peak_resident_mb() {
@@ -155,6 +164,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"seed", run.seed},
       {"groundtruth", run.groundtruth},
       {"versions", run.versions},
+      {"pictures", run.pairing ? to_json(*run.pairing) : Json()},
       {"frames_in", frames_in()},
       {"frames_processed", processed_},
       {"frames_dropped", dropped_},

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "ydd/dataset/pairing.h"
 #include "ydd/system/slam_system.h"
 
 namespace ydd {
@@ -20,6 +22,7 @@ struct RunDescription {
   int seed = 0;
   std::string groundtruth = {};  ///< file; empty: the sequence has none
   std::string incomplete = {};   ///< why the run ended before its sequence did; empty: it did not
+  std::optional<Pairing> pairing = {};               ///< of colour and depth by time
   std::map<std::string, std::string> versions = {};  ///< of what the programme is made of, by name
 };
 

@@ -256,7 +256,9 @@ TEST_F(LiveServerTest, AHeaderWithoutEndIsCutOff) {
   for (ssize_t n = 1; n > 0; sent += static_cast<std::size_t>(n)) {
     n = std::max<ssize_t>(0, ::send(fd, part.data(), part.size(), MSG_NOSIGNAL));
   }
-  std::cerr << sent << " " << std::chrono::duration<double>(std::chrono::steady_clock::now()-start).count() << "\n";
+  std::cerr << sent << " "
+            << std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()
+            << "\n";
   ::close(fd);
   EXPECT_THAT(body("/"), HasSubstr("state.json"));
 }

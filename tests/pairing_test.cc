@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// Depth images whose stamps are wrong: what is left out is told, and the pictures tell the offset.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "small_world.h"
+#include "ydd/dataset/tum_sequence.h"
+
+namespace ydd::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+/// The sequence with other stamps of its depth images.
+template <class Stamp>
+void make_restamped(const fs::path& from, const fs::path& to, Stamp stamp_of) {
+  const Result<Sequence> sequence = Sequence::open(from);
+  ASSERT_TRUE(sequence.ok()) << sequence.error().message;
+  fs::create_directories(to);
+  for (const char* const name : {"camera.yaml", "groundtruth.txt"}) {
+    if (fs::exists(from / name)) fs::copy_file(from / name, to / name);
+  }
+  std::ofstream colour(to / "rgb.txt");
+  std::ofstream depth(to / "depth.txt");
+  for (std::size_t i = 0; i < sequence->size(); ++i) {
+    const SequenceEntry& entry = sequence->entry(i);
+    colour << format_timestamp(entry.stamp) << " " << fs::absolute(entry.colour_file).string()
+           << "\n";
+    depth << format_timestamp(stamp_of(i, entry.depth_stamp)) << " "
+          << fs::absolute(entry.depth_file).string() << "\n";
+  }
+}
+
+fs::path walk() { return small_world("paired", {"--frames", "120"}); }
+
+struct Told {
+  std::string err;
+  json pictures;
+};
+
+Told run(const fs::path& sequence, const fs::path& out, std::vector<std::string> options) {
+  options.insert(options.begin(), {"run", sequence, "--detector", "none", "--out", out});
+  const Outcome outcome = ydd_slam(options);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto summary = read_file(out / "summary.json");
+  return {outcome.err, summary ? json::parse(*summary).at("pictures") : json()};
+}
+
+Timestamp later(Timestamp stamp, std::int64_t ms) { return {stamp.ns + ms * 1'000'000}; }
+
+TEST(Pairing, ImagesWithoutPartnerAreTold) {
+  const TemporaryFolder folder;
+  make_restamped(walk(), folder / "s",
+                 [](std::size_t i, Timestamp t) { return later(t, i < 10 ? 0 : 3'600'000); });
+  const Told told = run(folder / "s", folder / "o", {});
+  EXPECT_THAT(told.err, HasSubstr("only 10 of 120 colour images have a depth image"));
+  EXPECT_THAT(told.err, HasSubstr("--depth-offset=-3600 110 would have one"));
+  EXPECT_EQ(told.pictures.at("pairs"), 10);
+  EXPECT_EQ(told.pictures.at("colour_images"), 120);
+}
+
+TEST(Pairing, NothingIsWarnedOfWhenAllIsWell) {
+  const TemporaryFolder folder;
+  const Told told = run(walk(), folder / "o", {});
+  EXPECT_THAT(told.err, Not(HasSubstr("warning")));
+  EXPECT_EQ(told.pictures.at("pairs"), 120);
+}
+
+TEST(Pairing, ThePicturesTellHowLateDepthIs) {
+  const TemporaryFolder folder;
+  make_restamped(walk(), folder / "s", [](std::size_t, Timestamp t) { return later(t, 50); });
+  const Told told = run(folder / "s", folder / "o", {});
+  EXPECT_THAT(told.err, HasSubstr("--depth-offset auto"));
+  const Told found = run(folder / "s", folder / "a", {"--depth-offset", "auto"});
+  EXPECT_NEAR(found.pictures.at("depth_offset_s").get<double>(), -0.05, 0.01);
+  EXPECT_THAT(found.err, Not(HasSubstr("warning")));
+}
+
+TEST(Pairing, ThePicturesOfARealCameraToo) {
+  const char* const data = std::getenv("YDD_DATA");  // NOLINT(concurrency-mt-unsafe)
+  if (kSanitized || !data || !fs::exists(fs::path(data) / "tum_fr1_xyz/rgb.txt")) {
+    GTEST_SKIP() << "needs YDD_DATA/tum_fr1_xyz";
+  }
+  const TemporaryFolder folder;
+  const fs::path sequence = fs::path(data) / "tum_fr1_xyz";
+  for (const int late_ms : {0, -67, 100}) {
+    const fs::path faulty = folder / fmt::format("s{}", late_ms);
+    make_restamped(sequence, faulty, [&](std::size_t, Timestamp t) { return later(t, late_ms); });
+    const Told told = run(faulty, folder / fmt::format("o{}", late_ms),
+                          {"--camera", "tum_fr1", "--depth-offset", "auto", "--max-frames", "5"});
+    EXPECT_NEAR(told.pictures.at("depth_offset_s").get<double>(), -1e-3 * late_ms, 0.017);
+  }
+}
+
+TEST(Pairing, AnOffsetThatIsNoneIsRefused) {
+  const TemporaryFolder folder;
+  const Outcome outcome = ydd_slam(
+      {"run", walk(), "--detector", "none", "--depth-offset", "late", "--out", folder / "o"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("expected seconds (at most 1e+06) or 'auto', found 'late'"));
+}
+
+}  // namespace
+}  // namespace ydd::e2e
