@@ -187,13 +187,16 @@ TEST(Clocks, ThatJumpForwardsAreNotSleptThrough) {
 
 TEST(Clocks, OfDepthThatAreLateLeaveWhatHasAPartner) {
   SCOPED_TRACE(
-      "depth stamps 50 ms late: pairs that are close enough are tracked, and the files are whole");
+      "depth stamps 50 ms late: pairs that are close enough are tracked, the files are whole, and "
+      "a "
+      "line says what is left out and which offset would fit");
   Recording r;
   for (auto& line : r.depth()) line.stamp = fmt::format("{:.6f}", std::stod(line.stamp) + 0.05);
   const Outcome outcome = r.run("--quiet");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_GE(poses_in(r.out()), static_cast<std::size_t>(kFrames / 2));
   expect_whole_files(r.out());
+  EXPECT_THAT(outcome.err, HasSubstr("--depth-offset=-0.05"));
 }
 
 TEST(Clocks, ThatShareNoTimeAreToldInOneLine) {

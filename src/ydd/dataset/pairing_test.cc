@@ -48,7 +48,7 @@ TEST(Pairing, AClockThatJumpsIsToldWithTheOffsetThatFits) {
 }
 
 TEST(Pairing, DepthThatIsSteadilyLateIsTold) {
-  const Pairing pairing = judged(every_33_ms(100), every_33_ms(100, 0.05));
+  const Pairing pairing = judged(every_33_ms(100), every_33_ms(100, 0.012));
   EXPECT_GE(pairing.pairs, 99U);
   EXPECT_TRUE(pairing.steadily_late);
   EXPECT_THAT(pairing_warning(pairing, kTolerance_s), HasSubstr("--depth-offset auto"));

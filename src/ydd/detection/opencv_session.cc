@@ -25,9 +25,12 @@ class QuietOpenCv {
   cv::utils::logging::LogLevel before_;
 };
 
-/// The reason in one line. `what()` has several, with source paths of OpenCV.
-std::string reason_of(const cv::Exception& e) {
-  std::string reason = e.err.empty() ? "unknown error" : e.err;
+/// The reason in one line. `what()` of OpenCV's own has several, with source paths; damaged files
+/// also make it ask for vectors without end.
+std::string reason_of(const std::exception& e) {
+  const auto* const own = dynamic_cast<const cv::Exception*>(&e);
+  std::string reason = own == nullptr ? e.what() : own->err;
+  if (reason.empty()) reason = "unknown error";
   std::replace(reason.begin(), reason.end(), '\n', ' ');
   constexpr std::size_t kLongest = 300;
   if (reason.size() > kLongest) reason = reason.substr(0, kLongest) + "...";
@@ -59,7 +62,7 @@ class OpenCvSession : public InferenceSession {
       net_.setInput(cv::Mat(input.shape, CV_32F, const_cast<float*>(input.values.data())));
       outputs_.clear();
       net_.forward(outputs_, output_names_);
-    } catch (const cv::Exception& e) {
+    } catch (const std::exception& e) {
       return Error{
           fmt::format("cannot take an input of {}: {}", format_shape(input.shape), reason_of(e))};
     }
@@ -118,7 +121,7 @@ SessionResult make_opencv_session(std::string_view onnx, const InferenceOptions&
     if (net.empty()) return Error{"holds no network"};
     if (auto chosen = choose_target(net, options); !chosen) return chosen.error();
     return std::unique_ptr<InferenceSession>(std::make_unique<OpenCvSession>(net, options.threads));
-  } catch (const cv::Exception& e) {
+  } catch (const std::exception& e) {
     return Error{fmt::format("OpenCV {} cannot load it: {}", CV_VERSION, reason_of(e))};
   }
 }
