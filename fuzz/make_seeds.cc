@@ -58,8 +58,9 @@ void write_pictures(const fs::path& root) {
   pixels_of("grey8", "\x07\x06\x08" + none + none + none, 48);
   pixels_of("grey16", "\x07\x06\x10" + none + none + none, 90);
   pixels_of("colour8", "\x07\x06\x08\x02" + none + none, 132);
-  pixels_of("palette4", "\x07\x06\x04\x03" + none + "\x06" + "abcdef", 30);
-  pixels_of("interlaced", "\x07\x06\x08" + none + "\x01" + none, 70);
+  pixels_of("grey1", "\x07\x06\x01" + none + none + none, 12);
+  pixels_of("palette4", "\x07\x06\x04\x03" + none + "\x0f" + "abcdefghijklmno", 30);
+  pixels_of("interlaced", "\x07\x06\x08" + none + "\x01" + none, 54);
 }
 
 /// Three keyframes that see a few points.

@@ -199,20 +199,26 @@ std::string Sequence::name() const {
 
 Result<RgbdFrame> Sequence::read(std::size_t i, const Camera& camera) const {
   const SequenceEntry& e = entries_.at(i);
-  Result<ColourImage> colour = load_colour(e.colour_file);
-  if (!colour) return colour.error();
-  Result<DepthImage> depth_m = load_depth(e.depth_file, camera);
-  if (!depth_m) return depth_m.error();
-  if (depth_m->width() != colour->width() || depth_m->height() != colour->height()) {
-    return size_error(e.depth_file, i, depth_m->width(), depth_m->height(),
+  const Result<ImageFile> colour_file = open_colour(e.colour_file);
+  if (!colour_file) return colour_file.error();
+  const Result<ImageFile> depth_file = open_depth(e.depth_file);
+  if (!depth_file) return depth_file.error();
+  const ImageHeader& c = colour_file->header;
+  const ImageHeader& d = depth_file->header;
+  if (d.width_px != c.width_px || d.height_px != c.height_px) {
+    return size_error(e.depth_file, i, d.width_px, d.height_px,
                       fmt::format("its colour image is {}x{}; depth must be registered to colour",
-                                  colour->width(), colour->height()));
+                                  c.width_px, c.height_px));
   }
-  if (colour->width() != camera.width_px || colour->height() != camera.height_px) {
-    return size_error(e.colour_file, i, colour->width(), colour->height(),
+  if (c.width_px != camera.width_px || c.height_px != camera.height_px) {
+    return size_error(e.colour_file, i, c.width_px, c.height_px,
                       fmt::format("camera '{}' is {}x{}; give the right one with --camera",
                                   camera.name, camera.width_px, camera.height_px));
   }
+  Result<ColourImage> colour = decode_colour(*colour_file);
+  if (!colour) return colour.error();
+  Result<DepthImage> depth_m = decode_depth(*depth_file, camera);
+  if (!depth_m) return depth_m.error();
   GreyImage grey = to_grey(*colour);
   return RgbdFrame{static_cast<std::int64_t>(i), e.stamp, std::move(grey), *std::move(colour),
                    *std::move(depth_m)};

@@ -202,12 +202,28 @@ TEST_F(TumSequenceTest, WrongType) {
   fs::copy_file(folder_ / "rgb/0.png", folder_ / "depth/0.png",
                 fs::copy_options::overwrite_existing);
   EXPECT_THAT(read_error(0),
-              HasSubstr("depth/0.png: has 8 bits in 3 channel(s) where a depth image"));
-  fs::copy_file(folder_ / "depth/1.png", folder_ / "rgb/1.png",
-                fs::copy_options::overwrite_existing);
-  EXPECT_THAT(read_error(1), HasSubstr("rgb/1.png: has 16 bits a channel where a colour image"));
+              HasSubstr("depth/0.png: is a colour PNG of 8 bits a channel; a depth image is"));
+  write("depth/1.png", "\x76\x2f\x31\x01");
+  EXPECT_THAT(read_error(1), HasSubstr("depth/1.png: is an OpenEXR image; a depth image is"));
   write("rgb/2.png", "<html>404</html>");
-  EXPECT_THAT(read_error(2), EndsWith("rgb/2.png: is neither PNG nor JPEG"));
+  EXPECT_THAT(read_error(2), HasSubstr("rgb/2.png: is a web page (a download that failed?)"));
+}
+
+TEST_F(TumSequenceTest, SizesAreComparedBeforeAnythingIsDecoded) {
+  const auto damage = [&](const std::string& name) {  // found by decoding alone
+    std::fstream file(folder_ / name, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(45);
+    file.put('?');
+  };
+  damage("rgb/0.png");
+  EXPECT_THAT(read_error(0), HasSubstr("rgb/0.png: is damaged"));
+  put_colour("rgb/1.png", 16, 16);
+  put_depth("depth/1.png", 16, 16);
+  damage("rgb/1.png");
+  EXPECT_THAT(read_error(1), HasSubstr("rgb/1.png: frame 1 is 16x16 but camera 'small' is 32x24"));
+  put_depth("depth/2.png", 16, 16);
+  damage("depth/2.png");
+  EXPECT_THAT(read_error(2), HasSubstr("depth/2.png: frame 2 is 16x16 but its colour image is"));
 }
 
 TEST_F(TumSequenceTest, FrameSourceDeliversInOrderAndGoesOnAfterABadFrame) {

@@ -10,6 +10,7 @@
 
 #include "ydd/base/files.h"
 #include "ydd/image/image_header.h"
+#include "ydd/image/image_kind.h"
 #include "ydd/image/jpeg_codec.h"
 #include "ydd/image/png_decoder.h"
 
@@ -22,46 +23,29 @@ Error failure(const std::filesystem::path& file, std::string_view reason) {
   return Error{fmt::format("{}: {}", file.string(), reason)};
 }
 
-/// RGB(A) or grey samples to BGR; alpha is dropped.
+/// RGB(A) or grey samples to BGR; of 16 bits the high byte, which comes first.
 Result<std::vector<Bgr>> decode_png_bgr(std::string_view bytes, const ImageHeader& header) {
   const Result<PngRows> rows = decode_png(bytes, header);
   if (!rows) return rows.error();
-  const auto channels = static_cast<std::size_t>(header.channels);
-  const std::size_t green = channels >= 3 ? 1 : 0;
-  const std::size_t blue = channels >= 3 ? 2 : 0;
+  const ImageHeader samples = unpacked(header);
+  const std::size_t pixel_size = png_pixel_size(samples);
+  const std::size_t sample_size = samples.bits_per_channel == 16 ? 2 : 1;
+  const std::size_t green = samples.channels >= 3 ? sample_size : 0;
+  const std::size_t blue = 2 * green;
   std::vector<Bgr> pixels(std::size_t(header.width_px) * header.height_px);
   Bgr* to = pixels.data();
   for (int y = 0; y < header.height_px; ++y) {
     const std::uint8_t* from = rows->row(y);
-    for (int x = 0; x < header.width_px; ++x, from += channels) {
+    for (int x = 0; x < header.width_px; ++x, from += pixel_size) {
       *to++ = {from[blue], from[green], from[0]};
     }
   }
   return pixels;
 }
 
-/// A depth file's rows of 16-bit counts, and its size.
-struct DepthRows {
-  int width_px;
-  int height_px;
-  PngRows rows;
-};
-
-Result<DepthRows> load_depth_rows(const std::filesystem::path& file) {
-  const Result<std::string> bytes = read_file(file);
-  if (!bytes) return bytes.error();
-  const Result<ImageHeader> header = read_image_header(*bytes);
-  if (!header) return failure(file, header.error().message);
-  if (header->bits_per_channel != 16 || header->channels != 1) {
-    return failure(file,
-                   fmt::format("has {} bits in {} channel(s) where a depth image with 16 bits "
-                               "in one is needed",
-                               header->bits_per_channel, header->channels));
-  }
-  Result<PngRows> rows = decode_png(*bytes, *header);
-  if (!rows) return failure(file, rows.error().message);
-  return DepthRows{header->width_px, header->height_px, *std::move(rows)};
-}
+constexpr std::string_view kDepthIsWanted =
+    "a depth image is a PNG with one grey channel of 16 bits, which counts by the camera's depth "
+    "scale";
 
 int big_endian_count(const std::uint8_t* bytes) { return bytes[0] << 8 | bytes[1]; }
 
@@ -90,49 +74,85 @@ class DepthScale {
 
 }  // namespace
 
-Result<ColourImage> load_colour(const std::filesystem::path& file) {
-  const Result<std::string> bytes = read_file(file);
+Result<ImageFile> open_colour(const std::filesystem::path& file) {
+  Result<std::string> bytes = read_file(file);
   if (!bytes) return bytes.error();
   const Result<ImageHeader> header = read_image_header(*bytes);
   if (!header) return failure(file, header.error().message);
-  if (header->bits_per_channel > 8) {
-    return failure(file, fmt::format("has {} bits a channel where a colour image with 8 is needed",
-                                     header->bits_per_channel));
+  if (header->format == ImageHeader::Format::jpeg && header->bits_per_channel != 8) {
+    return failure(file,
+                   fmt::format("is {}; of JPEG only 8 bits a channel are read", describe(*header)));
   }
-  auto pixels = header->format == ImageHeader::Format::jpeg ? decode_jpeg(*bytes, *header)
-                                                            : decode_png_bgr(*bytes, *header);
-  if (!pixels) return failure(file, pixels.error().message);
-  return ColourImage(header->width_px, header->height_px, *std::move(pixels));
+  return ImageFile{file, *std::move(bytes), *header};
+}
+
+Result<ImageFile> open_depth(const std::filesystem::path& file) {
+  Result<std::string> bytes = read_file(file);
+  if (!bytes) return bytes.error();
+  if (!bytes->empty() && !is_png(*bytes) && !is_jpeg(*bytes)) {
+    const std::string_view kind = kind_of_file(*bytes).value_or("neither PNG nor JPEG");
+    return failure(file, fmt::format("is {}; {}", kind, kDepthIsWanted));
+  }
+  const Result<ImageHeader> header = read_image_header(*bytes);
+  if (!header) return failure(file, header.error().message);
+  if (header->format != ImageHeader::Format::png || header->bits_per_channel != 16 ||
+      header->channels != 1) {
+    return failure(file, fmt::format("is {}; {}", describe(*header), kDepthIsWanted));
+  }
+  return ImageFile{file, *std::move(bytes), *header};
+}
+
+Result<ColourImage> decode_colour(const ImageFile& file) {
+  auto pixels = file.header.format == ImageHeader::Format::jpeg
+                    ? decode_jpeg(file.bytes, file.header)
+                    : decode_png_bgr(file.bytes, file.header);
+  if (!pixels) return failure(file.path, pixels.error().message);
+  return ColourImage(file.header.width_px, file.header.height_px, *std::move(pixels));
+}
+
+// The same as to_metres(load_raw_depth(...)) without the image in between.
+Result<DepthImage> decode_depth(const ImageFile& file, const Camera& camera) {
+  const Result<PngRows> rows = decode_png(file.bytes, file.header);
+  if (!rows) return failure(file.path, rows.error().message);
+  const DepthScale scale(camera);
+  const auto width = static_cast<std::size_t>(file.header.width_px);
+  std::vector<float> depth_m(width * file.header.height_px);
+  for (int y = 0; y < file.header.height_px; ++y) {
+    const std::uint8_t* const from = rows->row(y);
+    float* const to = depth_m.data() + y * width;
+    for (std::size_t x = 0; x < width; ++x) to[x] = scale.metres(big_endian_count(from + 2 * x));
+  }
+  return DepthImage(file.header.width_px, file.header.height_px, std::move(depth_m));
+}
+
+Result<ColourImage> load_colour(const std::filesystem::path& file) {
+  const Result<ImageFile> opened = open_colour(file);
+  if (!opened) return opened.error();
+  return decode_colour(*opened);
+}
+
+Result<DepthImage> load_depth(const std::filesystem::path& file, const Camera& camera) {
+  const Result<ImageFile> opened = open_depth(file);
+  if (!opened) return opened.error();
+  return decode_depth(*opened, camera);
 }
 
 Result<RawDepthImage> load_raw_depth(const std::filesystem::path& file) {
-  const Result<DepthRows> depth = load_depth_rows(file);
-  if (!depth) return depth.error();
-  const auto width = static_cast<std::size_t>(depth->width_px);
-  std::vector<std::uint16_t> counts(width * depth->height_px);
-  for (int y = 0; y < depth->height_px; ++y) {
-    const std::uint8_t* const from = depth->rows.row(y);
+  const Result<ImageFile> opened = open_depth(file);
+  if (!opened) return opened.error();
+  const ImageHeader& header = opened->header;
+  const Result<PngRows> rows = decode_png(opened->bytes, header);
+  if (!rows) return failure(file, rows.error().message);
+  const auto width = static_cast<std::size_t>(header.width_px);
+  std::vector<std::uint16_t> counts(width * header.height_px);
+  for (int y = 0; y < header.height_px; ++y) {
+    const std::uint8_t* const from = rows->row(y);
     std::uint16_t* const to = counts.data() + y * width;
     for (std::size_t x = 0; x < width; ++x) {
       to[x] = static_cast<std::uint16_t>(big_endian_count(from + 2 * x));
     }
   }
-  return RawDepthImage(depth->width_px, depth->height_px, std::move(counts));
-}
-
-// The same as to_metres(load_raw_depth(...)) without the image in between.
-Result<DepthImage> load_depth(const std::filesystem::path& file, const Camera& camera) {
-  const Result<DepthRows> depth = load_depth_rows(file);
-  if (!depth) return depth.error();
-  const DepthScale scale(camera);
-  const auto width = static_cast<std::size_t>(depth->width_px);
-  std::vector<float> depth_m(width * depth->height_px);
-  for (int y = 0; y < depth->height_px; ++y) {
-    const std::uint8_t* const from = depth->rows.row(y);
-    float* const to = depth_m.data() + y * width;
-    for (std::size_t x = 0; x < width; ++x) to[x] = scale.metres(big_endian_count(from + 2 * x));
-  }
-  return DepthImage(depth->width_px, depth->height_px, std::move(depth_m));
+  return RawDepthImage(header.width_px, header.height_px, std::move(counts));
 }
 
 DepthImage to_metres(const RawDepthImage& raw, const Camera& camera) {

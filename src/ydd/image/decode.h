@@ -2,24 +2,47 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "ydd/base/result.h"
 #include "ydd/geometry/camera.h"
 #include "ydd/image/encode.h"  // IWYU pragma: export
 #include "ydd/image/image.h"
+#include "ydd/image/image_header.h"
 
 /// Image files to pixels, and what every frame needs done to them. All functions may be called from
 /// any thread; none prints. Failures are one line that starts with the file.
 namespace ydd {
 
-/// A PNG or JPEG file with 8 bits a channel, as BGR; grey files get three equal channels, alpha is
-/// dropped, an orientation tag is ignored (calibration is about pixels as stored).
+/// A file in memory of which the header is read and found plausible, and no pixel yet: its size is
+/// known before memory is taken for it.
+struct ImageFile {
+  std::filesystem::path path;
+  std::string bytes;
+  ImageHeader header;
+};
+
+/// Any PNG, or a JPEG with 8 bits a channel.
+Result<ImageFile> open_colour(const std::filesystem::path& file);
+
+/// A PNG with one grey channel of 16 bits, interlaced or not.
+Result<ImageFile> open_depth(const std::filesystem::path& file);
+
+/// As BGR; grey files get three equal channels, of 16 bits the higher 8 are kept, alpha and
+/// transparency are dropped, an orientation tag is ignored (calibration is about pixels as stored).
+Result<ColourImage> decode_colour(const ImageFile& file);
+
+/// In metres, by the camera's scale; readings outside its limits become 0. `file` is from
+/// open_depth.
+Result<DepthImage> decode_depth(const ImageFile& file, const Camera& camera);
+
+/// open_colour and decode_colour.
 Result<ColourImage> load_colour(const std::filesystem::path& file);
 
-/// A PNG file with one channel of 16 bits.
+/// The counts of a depth file.
 Result<RawDepthImage> load_raw_depth(const std::filesystem::path& file);
 
-/// The same in metres, by the camera's scale; readings outside its limits become 0.
+/// open_depth and decode_depth.
 Result<DepthImage> load_depth(const std::filesystem::path& file, const Camera& camera);
 
 /// Counts to metres; readings outside the camera's limits become 0.

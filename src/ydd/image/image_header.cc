@@ -6,15 +6,21 @@
 
 #include <fmt/format.h>
 
+#include "ydd/image/image_kind.h"
+
 namespace ydd {
 namespace {
 
 using namespace std::string_view_literals;
 
-constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n"sv;
-constexpr std::string_view kJpegSignature = "\xff\xd8\xff"sv;
+constexpr std::size_t kPngSignatureSize = 8;
 constexpr std::string_view kJpegEnd = "\xff\xd9"sv;
-constexpr int kMaxSide = 16384;  // a larger one is a broken header, not a camera
+constexpr std::int64_t kMaxSide_px = 16384;  // a larger one is a broken header, not a camera
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;
+constexpr std::int64_t kMaxDeflateRatio = 1032;  // deflate cannot compress better
+// Huffman codes have at least one bit for each block of 64 pixels, which makes 512; arithmetic
+// coding gets below that for flat pictures only.
+constexpr std::int64_t kMaxJpegPixelsPerByte = 1024;
 
 const Error kTruncated{"is truncated; copy or download it again"};
 
@@ -28,18 +34,33 @@ std::optional<std::uint32_t> number_at(std::string_view bytes, std::size_t at, s
   return value;
 }
 
-Result<ImageHeader> checked(const ImageHeader& header) {
-  if (header.width_px < 1 || header.height_px < 1 || header.width_px > kMaxSide ||
-      header.height_px > kMaxSide) {
-    return Error{
-        fmt::format("has a broken header (size {}x{})", header.width_px, header.height_px)};
+struct Size {
+  std::int64_t width_px;
+  std::int64_t height_px;
+};
+
+/// A failure unless a camera's picture has that size and `file_size` bytes can hold it.
+Result<Size> checked(const Size& size, std::size_t file_size, std::int64_t max_pixels_per_byte) {
+  const auto [width, height] = size;
+  if (width < 1 || height < 1) {
+    return Error{fmt::format("has a broken header (size {}x{})", width, height)};
   }
-  return header;
+  if (width > kMaxSide_px || height > kMaxSide_px || width * height > kMaxPixels) {
+    return Error{fmt::format(
+        "has a broken header (size {}x{}; at most {} pixels a side and {} million in all are read)",
+        width, height, kMaxSide_px, kMaxPixels / 1'000'000)};
+  }
+  if (width * height > static_cast<std::int64_t>(file_size) * max_pixels_per_byte) {
+    return Error{fmt::format(
+        "has a broken header (size {}x{}, which {} bytes cannot hold: at most {} pixels a byte)",
+        width, height, file_size, max_pixels_per_byte)};
+  }
+  return size;
 }
 
 /// True if the chunks (length, type, data, checksum) lead to the end chunk within the file.
 bool png_is_complete(std::string_view bytes) {
-  std::size_t at = kPngSignature.size();
+  std::size_t at = kPngSignatureSize;
   while (const auto length = number_at(bytes, at, 4)) {
     const std::size_t next = at + 12 + *length;
     if (next > bytes.size()) return false;
@@ -49,26 +70,54 @@ bool png_is_complete(std::string_view bytes) {
   return false;
 }
 
+/// PNG specification, table 11.1.
+bool is_png_kind(std::uint32_t colour_type, std::uint32_t bits) {
+  const bool is_packed = bits == 1 || bits == 2 || bits == 4;
+  switch (colour_type) {
+    case 0:
+      return is_packed || bits == 8 || bits == 16;
+    case 3:
+      return is_packed || bits == 8;
+    case 2:
+    case 4:
+    case 6:
+      return bits == 8 || bits == 16;
+    default:
+      return false;
+  }
+}
+
 // PNG specification, 11.2.2: the first chunk is IHDR.
 Result<ImageHeader> read_png(std::string_view bytes) {
   const auto width = number_at(bytes, 16, 4);
   const auto height = number_at(bytes, 20, 4);
   const auto bits = number_at(bytes, 24, 1);
-  const auto colour = number_at(bytes, 25, 1);
+  const auto colour_type = number_at(bytes, 25, 1);
+  const auto methods = number_at(bytes, 26, 2);  // of compression and filtering
   const auto interlacing = number_at(bytes, 28, 1);
   if (!interlacing) return kTruncated;
   if (bytes.substr(12, 4) != "IHDR") return Error{"has a broken PNG header"};
-  if (!png_is_complete(bytes)) return kTruncated;
-  ImageHeader header{.format = ImageHeader::Format::png,
-                     .width_px = static_cast<int>(*width),
-                     .height_px = static_cast<int>(*height),
-                     .bits_per_channel = static_cast<int>(*bits)};
-  constexpr std::uint32_t kPaletteBit = 1;
-  constexpr std::uint32_t kColourBit = 2;
+  if (!is_png_kind(*colour_type, *bits) || *methods != 0 || *interlacing > 1) {
+    return Error{fmt::format("has a broken PNG header (colour type {}, {} bits, methods {}, {})",
+                             *colour_type, *bits, *methods, *interlacing)};
+  }
+  constexpr std::uint32_t kColour = 2;
+  constexpr std::uint32_t kPalette = 3;
   constexpr std::uint32_t kAlphaBit = 4;
-  header.channels = ((*colour & kColourBit) ? 3 : 1) + ((*colour & kAlphaBit) ? 1 : 0);
-  header.plain = !(*colour & kPaletteBit) && *interlacing == 0 && *bits >= 8;
-  return checked(header);
+  ImageHeader header;
+  header.format = ImageHeader::Format::png;
+  header.bits_per_channel = static_cast<int>(*bits);
+  header.palette = *colour_type == kPalette;
+  header.interlaced = *interlacing == 1;
+  header.channels = (*colour_type & kColour) && !header.palette ? 3 : 1;
+  if (*colour_type & kAlphaBit) ++header.channels;
+  const std::int64_t bits_per_pixel = header.channels * header.bits_per_channel;
+  const auto size = checked({*width, *height}, bytes.size(), kMaxDeflateRatio * 8 / bits_per_pixel);
+  if (!size) return size.error();
+  if (!png_is_complete(bytes)) return kTruncated;
+  header.width_px = static_cast<int>(size->width_px);
+  header.height_px = static_cast<int>(size->height_px);
+  return header;
 }
 
 bool is_start_of_frame(std::uint32_t marker) {
@@ -95,20 +144,24 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
   const auto width = number_at(bytes, at + 7, 2);
   const auto channels = number_at(bytes, at + 9, 1);
   if (!channels || bytes.find(kJpegEnd, at + 10) == std::string_view::npos) return kTruncated;
-  return checked({.format = ImageHeader::Format::jpeg,
-                  .width_px = static_cast<int>(*width),
-                  .height_px = static_cast<int>(*height),
-                  .bits_per_channel = static_cast<int>(*bits),
-                  .channels = static_cast<int>(*channels)});
+  const auto size = checked({*width, *height}, bytes.size(), kMaxJpegPixelsPerByte);
+  if (!size) return size.error();
+  return ImageHeader{.format = ImageHeader::Format::jpeg,
+                     .width_px = static_cast<int>(size->width_px),
+                     .height_px = static_cast<int>(size->height_px),
+                     .bits_per_channel = static_cast<int>(*bits),
+                     .channels = static_cast<int>(*channels)};
 }
 
 }  // namespace
 
 Result<ImageHeader> read_image_header(std::string_view bytes) {
   if (bytes.empty()) return Error{"is an empty file"};
-  if (bytes.starts_with(kPngSignature)) return read_png(bytes);
-  if (bytes.starts_with(kJpegSignature)) return read_jpeg(bytes);
-  return Error{"is neither PNG nor JPEG"};
+  if (is_png(bytes)) return read_png(bytes);
+  if (is_jpeg(bytes)) return read_jpeg(bytes);
+  const auto kind = kind_of_file(bytes);
+  return Error{kind ? fmt::format("is {}, neither PNG nor JPEG", *kind)
+                    : "is neither PNG nor JPEG"};
 }
 
 }  // namespace ydd

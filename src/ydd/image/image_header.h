@@ -14,12 +14,15 @@ struct ImageHeader {
   int width_px = 0;
   int height_px = 0;
   int bits_per_channel = 0;
-  int channels = 0;   ///< as stored: 1 grey, 3 colour, 2 and 4 with alpha (PNG) or CMYK (JPEG)
-  bool plain = true;  ///< false: a PNG with palette, interlacing or less than 8 bits
+  int channels = 0;  ///< as stored: 1 grey or palette, 3 colour, 2 and 4 with alpha (PNG) or CMYK
+  bool palette = false;     ///< PNG: samples are indices of a palette
+  bool interlaced = false;  ///< PNG: pixels come in seven passes (Adam7)
 };
 
 /// Reads the header of a PNG or JPEG file held in `bytes` and checks that the file goes on to its
-/// end marker. Failure: the reason only ("is truncated ..."); the caller names the file.
+/// end marker and that its size is plausible: at most 16384 pixels a side and 2^26 in all, and no
+/// more than so many bytes can hold. Who decodes after that takes no memory for a lie.
+/// Failure: the reason only ("is truncated ..."); the caller names the file.
 Result<ImageHeader> read_image_header(std::string_view bytes);
 
 }  // namespace ydd

@@ -16,6 +16,8 @@ namespace {
 // Why not OpenCV: it hides the decoder's warnings, by which alone a damaged file can be told, and
 // lets them be printed.
 
+// A progressive file has about ten; each may pass over all pixels for a few bytes.
+constexpr int kMaxScans = 100;
 // More before a marker are not a webcam's padding: decoding lost its place.
 constexpr int kMaxStrayBytes = 8;
 
@@ -29,12 +31,18 @@ void leave_on_error(j_common_ptr info) {
   std::longjmp(reinterpret_cast<ErrorManager*>(info->err)->leave, 1);  // NOLINT: libjpeg's way
 }
 
-void count_warning(j_common_ptr info, int level) {
-  jpeg_error_mgr& errors = *info->err;
+/// At once: a file that ends early would be passed over scan by scan with nothing in it.
+void leave_on_warning(j_common_ptr info, int level) {
+  const jpeg_error_mgr& errors = *info->err;
   const bool is_warning = level < 0;
   const bool is_stray =
       errors.msg_code == JWRN_EXTRANEOUS_DATA && errors.msg_parm.i[0] <= kMaxStrayBytes;
-  if (is_warning && !is_stray && errors.msg_code != JWRN_ADOBE_XFORM) ++errors.num_warnings;
+  if (is_warning && !is_stray && errors.msg_code != JWRN_ADOBE_XFORM) leave_on_error(info);
+}
+
+void leave_on_many_scans(j_common_ptr info) {
+  const auto* const reader = reinterpret_cast<j_decompress_ptr>(info);  // NOLINT: libjpeg's way
+  if (reader->input_scan_number > kMaxScans) leave_on_error(info);
 }
 
 void print_nothing(j_common_ptr) {}
@@ -43,7 +51,7 @@ void print_nothing(j_common_ptr) {}
 jpeg_error_mgr* silent_errors(ErrorManager& errors) {
   jpeg_std_error(&errors.base);
   errors.base.error_exit = leave_on_error;
-  errors.base.emit_message = count_warning;
+  errors.base.emit_message = leave_on_warning;
   errors.base.output_message = print_nothing;
   return &errors.base;
 }
@@ -53,12 +61,15 @@ jpeg_error_mgr* silent_errors(ErrorManager& errors) {
 bool decode(std::string_view bytes, const ImageHeader& header, Bgr* pixels) {
   jpeg_decompress_struct info{};
   ErrorManager errors{};
+  jpeg_progress_mgr progress{};
+  progress.progress_monitor = leave_on_many_scans;
   info.err = silent_errors(errors);
   if (setjmp(errors.leave) != 0) {  // NOLINT: libjpeg's way
     jpeg_destroy_decompress(&info);
     return false;
   }
   jpeg_create_decompress(&info);
+  info.progress = &progress;
   jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
   jpeg_read_header(&info, TRUE);
   info.out_color_space = JCS_EXT_BGR;
@@ -70,7 +81,7 @@ bool decode(std::string_view bytes, const ImageHeader& header, Bgr* pixels) {
     JSAMPROW row = pixels[static_cast<std::size_t>(info.output_scanline) * width].data();
     jpeg_read_scanlines(&info, &row, 1);
   }
-  good = good && jpeg_finish_decompress(&info) == TRUE && errors.base.num_warnings == 0;
+  good = good && jpeg_finish_decompress(&info) == TRUE;
   jpeg_destroy_decompress(&info);
   return good;
 }

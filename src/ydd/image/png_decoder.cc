@@ -10,6 +10,8 @@
 #include <optional>
 #include <string>
 
+#include "ydd/image/png_unpack.h"
+
 namespace ydd {
 namespace {
 
@@ -29,11 +31,16 @@ std::uint32_t number_at(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-/// The compressed stream: the data of all IDAT chunks, joined. Nothing if a checksum is wrong.
+struct Content {
+  std::string stream;        ///< compressed: the data of all IDAT chunks, joined
+  std::string_view palette;  ///< of PLTE; empty without one
+};
+
+/// Nothing if a checksum is wrong.
 /// That the chunks lie within the file is known from read_image_header.
-std::optional<std::string> compressed_stream(std::string_view bytes) {
-  std::string stream;
-  stream.reserve(bytes.size());
+std::optional<Content> read_chunks(std::string_view bytes) {
+  Content content;
+  content.stream.reserve(bytes.size());
   for (std::size_t at = kSignatureSize;;) {
     const std::size_t length = number_at(bytes, at);
     const std::string_view type = bytes.substr(at + 4, 4);
@@ -42,8 +49,9 @@ std::optional<std::string> compressed_stream(std::string_view bytes) {
     if (libdeflate_crc32(0, type_and_data.data(), type_and_data.size()) != checksum) {
       return std::nullopt;
     }
-    if (type == "IDAT") stream += bytes.substr(at + 8, length);
-    if (type == "IEND") return stream;
+    if (type == "IDAT") content.stream += bytes.substr(at + 8, length);
+    if (type == "PLTE") content.palette = bytes.substr(at + 8, length);
+    if (type == "IEND") return content;
     at += 12 + length;
   }
 }
@@ -110,52 +118,59 @@ bool unfilter_row(int filter, const std::uint8_t* up, std::uint8_t* row, std::si
 }
 
 template <std::size_t kBytes>
-bool unfilter(PngRows& rows) {
-  const std::vector<std::uint8_t> zeros(rows.row_size);
+bool unfilter(std::uint8_t* bytes, const PngPass& pass) {
+  const std::vector<std::uint8_t> zeros(pass.row_size);
   const std::uint8_t* up = zeros.data();
-  const std::size_t stride = rows.row_size + 1;
-  for (std::size_t at = 0; at < rows.bytes.size(); at += stride) {
-    std::uint8_t* const row = rows.bytes.data() + at + 1;
-    if (!unfilter_row<kBytes>(rows.bytes[at], up, row, rows.row_size)) return false;
+  const std::size_t stride = pass.row_size + 1;
+  for (std::size_t at = 0; at < pass.size(); at += stride) {
+    std::uint8_t* const row = bytes + at + 1;
+    if (!unfilter_row<kBytes>(bytes[at], up, row, pass.row_size)) return false;
     up = row;
   }
   return true;
 }
 
-bool unfilter(PngRows& rows, std::size_t pixel_size) {
+/// `pixel_size` in bytes, 1 for pixels that are smaller.
+bool unfilter(std::uint8_t* bytes, const PngPass& pass, std::size_t pixel_size) {
   switch (pixel_size) {
     case 1:
-      return unfilter<1>(rows);
+      return unfilter<1>(bytes, pass);
     case 2:
-      return unfilter<2>(rows);
+      return unfilter<2>(bytes, pass);
     case 3:
-      return unfilter<3>(rows);
+      return unfilter<3>(bytes, pass);
     case 4:
-      return unfilter<4>(rows);
+      return unfilter<4>(bytes, pass);
     case 6:
-      return unfilter<6>(rows);
+      return unfilter<6>(bytes, pass);
     default:
-      return unfilter<8>(rows);
+      return unfilter<8>(bytes, pass);
   }
 }
 
 }  // namespace
 
 Result<PngRows> decode_png(std::string_view bytes, const ImageHeader& header) {
-  if (!header.plain) {
-    return Error{"is an interlaced or palette PNG; convert it to a plain one"};
-  }
-  const auto stream = compressed_stream(bytes);
-  if (!stream) return kDamaged;
-  const auto pixel_size =
-      static_cast<std::size_t>(header.channels) * (header.bits_per_channel == 16 ? 2 : 1);
+  const auto content = read_chunks(bytes);
+  if (!content) return kDamaged;
+  const std::vector<PngPass> passes = png_passes(header);
+  std::size_t size = 0;
+  for (const PngPass& pass : passes) size += pass.size();
+  if (size / kMaxRatio > content->stream.size()) return kDamaged;  // before allocating for it
   PngRows rows;
-  rows.row_size = static_cast<std::size_t>(header.width_px) * pixel_size;
-  const std::size_t size = static_cast<std::size_t>(header.height_px) * (rows.row_size + 1);
-  if (size / kMaxRatio > stream->size()) return kDamaged;  // before allocating for it
+  rows.row_size = passes.front().row_size;
   rows.bytes.resize(size);
-  if (!inflate(*stream, rows.bytes) || !unfilter(rows, pixel_size)) return kDamaged;
-  return rows;
+  if (!inflate(content->stream, rows.bytes)) return kDamaged;
+  const std::size_t pixel_size = header.palette ? 1 : png_pixel_size(header);
+  std::uint8_t* from = rows.bytes.data();
+  for (const PngPass& pass : passes) {
+    if (!unfilter(from, pass, pixel_size)) return kDamaged;
+    from += pass.size();
+  }
+  if (is_plain_png(header)) return rows;
+  auto whole = unpack_png(rows.bytes, passes, header, content->palette);
+  if (!whole) return Error{"has a pixel whose colour is not in its palette; copy it again"};
+  return *std::move(whole);
 }
 
 }  // namespace ydd

@@ -23,10 +23,19 @@ struct PngRows {
   }
 };
 
-/// The samples of a PNG file. `header` is what read_image_header gave for `bytes`; 8 or 16 bits a
-/// sample. Every checksum is verified. Colour correction and transparency chunks are ignored: a
-/// camera's images are data. Failure: the reason only; the caller names the file.
-/// Source: PNG specification (ISO/IEC 15948).
+/// The header of what decode_png gives for a file with `header`: not interlaced, three channels of
+/// 8 bits instead of a palette, 8 bits a sample instead of 1, 2 or 4.
+ImageHeader unpacked(const ImageHeader& header);
+
+/// Bytes of a pixel of PngRows; `header` is an unpacked one.
+inline std::size_t png_pixel_size(const ImageHeader& header) {
+  return static_cast<std::size_t>(header.channels) * (header.bits_per_channel == 16 ? 2 : 1);
+}
+
+/// The samples of a PNG file of any kind, as unpacked(header) says. `header` is what
+/// read_image_header gave for `bytes`. Every checksum is verified. Colour correction and
+/// transparency chunks are ignored: a camera's images are data. Failure: the reason only; the
+/// caller names the file. Source: PNG specification (ISO/IEC 15948).
 Result<PngRows> decode_png(std::string_view bytes, const ImageHeader& header);
 
 }  // namespace ydd
