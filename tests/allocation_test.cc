@@ -57,7 +57,7 @@ long median_allocations(int features) {
     const long used = allocations - before;
     if (i > world.frames / 2 && !report.value().keyframe) counts.push_back(used);
   }
-  system.finish();
+  EXPECT_TRUE(system.finish());
   std::nth_element(counts.begin(), counts.begin() + static_cast<long>(counts.size() / 2),
                    counts.end());
   return counts.at(counts.size() / 2);

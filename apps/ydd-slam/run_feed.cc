@@ -5,7 +5,6 @@
 #include <cctype>
 #include <map>
 #include <memory>
-#include <new>
 
 #include <fmt/format.h>
 
@@ -13,6 +12,7 @@
 #include "run_pace.h"
 #include "untracked.h"
 #include "ydd/base/cores.h"
+#include "ydd/base/guard.h"
 #include "ydd/base/interruption.h"
 #include "ydd/base/log.h"
 #include "ydd/dataset/frame_source.h"
@@ -108,13 +108,16 @@ class Feed {
     return {};
   }
 
-  void finish() {
-    system_.finish();
-    if (!live_) return;
+  /// Who interrupts a run does not want to wait for a bundle adjustment.
+  Result<void> finish() {
+    const bool prompt = interruption::signal() != 0;
+    const Result<void> finished = system_.finish(prompt ? Ending::prompt : Ending::complete);
+    if (!live_) return finished;
     live_->finish();
     for (const auto& [after_frame, command] : live_->interventions()) {
       recorder_.add_command(after_frame, command);
     }
+    return finished;
   }
 
   /// Why not one frame was tracked.
@@ -192,18 +195,6 @@ class Feed {
   std::int64_t newest_ = -1;
 };
 
-/// What `step` throws becomes its failure: whatever fails, what was done is still to be written.
-template <class Step>
-Result<void> guarded(Step step) {
-  try {
-    return step();
-  } catch (const std::bad_alloc&) {
-    return Error{"out of memory"};
-  } catch (const std::exception& e) {
-    return Error{fmt::format("internal: {}", e.what())};
-  }
-}
-
 }  // namespace
 
 LiveScene live_scene(const FeedInput& input, bool has_detector,
@@ -228,11 +219,8 @@ FeedEnd feed(const FeedInput& input, SlamSystem& system, Listeners& listeners, L
     log::warning("{}: {}", input.sequence.folder().string(), odd);
   }
   Feed pass(input, system, listeners, live);
-  Result<void> fed = guarded([&] { return pass.run(); });
-  const Result<void> finished = guarded([&]() -> Result<void> {
-    pass.finish();
-    return {};
-  });
+  Result<void> fed = guarded("", [&] { return pass.run(); });
+  const Result<void> finished = guarded("", [&] { return pass.finish(); });
   if (fed) fed = finished;
   FeedEnd end;
   end.incomplete = fed ? pass.interrupted() : "error: " + fed.error().message;

@@ -57,7 +57,7 @@ Result<SimulatedRun> run_frames(const Simulator& simulator,
                          cpu_ms_of(*report), atlas->keyframes().size(), atlas->points().size()});
     if (done) done(i, run.steps.back());
   }
-  system.finish();
+  if (auto r = system.finish(); !r) return r.error();
   run.trajectory = system.trajectory();
   run.reports = system.mapping_reports();
   run.atlas = system.atlas();

@@ -3,19 +3,18 @@
 
 #include <cstddef>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <thread>
 #include <utility>
 
 #include "ydd/base/channel.h"
-#include "ydd/base/published.h"
+#include "ydd/base/guard.h"
 #include "ydd/base/result.h"
 
 namespace ydd {
 
-/// Gives values to `work`, in order, on a thread of its own. After the first failure the rest is
-/// dropped, and every call tells that failure.
+/// Gives values to `work`, in order, on a thread of its own. After the first failure (what `work`
+/// throws is one) the rest is dropped, and every call tells that failure.
 ///
 /// Thread: one gives; `work` runs on the other. Whatever `work` refers to must outlive this. The
 /// destructor works off what waits.
@@ -50,19 +49,17 @@ class Background {
   }
 
  private:
-  void run(const Work& work) {
+  void run(const Work& work) noexcept {
     while (std::optional<T> value = values_.pop()) {
-      if (failure_.get()) continue;
-      if (auto r = work(std::move(*value)); !r) failure_.set(std::make_shared<Error>(r.error()));
+      if (failure_) continue;
+      const Result<void> done = guarded("", [&] { return work(std::move(*value)); });
+      if (!done) failure_.set(done.error());
     }
   }
-  Result<void> failure() const {
-    const auto error = failure_.get();
-    return error ? Result<void>(*error) : Result<void>();
-  }
+  Result<void> failure() const { return failure_.get(); }
 
   Channel<T> values_;
-  Published<Error> failure_;
+  FirstError failure_;
   std::jthread thread_;  ///< last: joined before the others go
 };
 

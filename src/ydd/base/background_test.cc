@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/base/background.h"
 
+#include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -36,6 +37,17 @@ TEST(Background, TellsTheFirstFailureAndDropsTheRest) {
   EXPECT_EQ(result.error().message, "disk full");
   EXPECT_EQ(calls, 2);
   EXPECT_FALSE(background.finish()) << "still so";
+}
+
+TEST(Background, WhatIsThrownIsAFailure) {
+  Background<int> background(8, [&](int i) -> Result<void> {
+    if (i == 1) throw std::runtime_error("no codec\nfor this");
+    return {};
+  });
+  for (int i = 0; i < 3; ++i) (void)background.push(i);
+  const auto result = background.finish();
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().message, "internal: no codec for this");
 }
 
 TEST(Background, DoesNotWaitWhenItIsAskedNotTo) {

@@ -7,6 +7,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <new>
 #include <optional>
 #include <stdexcept>
 #include <stop_token>
@@ -75,7 +76,7 @@ class Prefetcher {
     const std::size_t i = next_++;
     if (channels_.empty()) return make_(i);
     std::optional<Item> item = channels_[i % channels_.size()]->pop();
-    if (!item) throw std::logic_error("Prefetcher: a worker ended early");
+    if (!item) throw std::bad_alloc();  // the one reason for which a worker ends early
     if (auto* const failure = std::get_if<std::exception_ptr>(&*item)) {
       std::rethrow_exception(*failure);
     }
@@ -95,9 +96,13 @@ class Prefetcher {
     }
   }
 
-  void work(std::size_t worker, const std::stop_token& stop) {
-    for (std::size_t i = worker; i < count_ && !stop.stop_requested(); i += channels_.size()) {
-      if (!channels_[worker]->push(compute(i), stop)) return;
+  void work(std::size_t worker, const std::stop_token& stop) noexcept {
+    try {
+      for (std::size_t i = worker; i < count_ && !stop.stop_requested(); i += channels_.size()) {
+        if (!channels_[worker]->push(compute(i), stop)) return;
+      }
+    } catch (...) {  // no memory for the queue: `next` tells it
+      channels_[worker]->close();
     }
   }
 

@@ -35,7 +35,12 @@ StageTimer::StageTimer(StageTimes& times, std::string stage)
       wall_start_ns_(wall_clock_ns()),
       cpu_start_ns_(thread_cpu_ns()) {}
 
-StageTimer::~StageTimer() { stop(); }
+StageTimer::~StageTimer() {
+  try {
+    stop();
+  } catch (...) {  // no memory for it: a time is lost, not the run
+  }
+}
 
 void StageTimer::stop() {
   if (!times_) return;

@@ -23,7 +23,8 @@ struct StageTime {
 /// The stages of one frame in the order in which they ran.
 using StageTimes = std::vector<StageTime>;
 
-/// Appends the time from construction to `stop()` (or destruction) to `times`.
+/// Appends the time from construction to `stop()` (or destruction) to `times`. Destruction does not
+/// throw: without memory for it the time is lost.
 class StageTimer {
  public:
   StageTimer(StageTimes& times, std::string stage);

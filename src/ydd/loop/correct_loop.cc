@@ -56,6 +56,7 @@ Correction weld(const Atlas& atlas, const LoopMatch& match) {
   const KeyFrameId staying = current_is_younger ? match.matched : match.current;
   const SE3 T_new_old = current_is_younger ? T_matched_current : T_matched_current.inverse();
   Correction correction;
+  correction.revision = atlas.revision();
   for (const KeyFrameId id : keyframes_of(atlas, atlas.at(moving).map)) {
     correction.T_world_keyframe[id] = T_new_old * atlas.at(id).T_world_camera;
   }
@@ -65,7 +66,8 @@ Correction weld(const Atlas& atlas, const LoopMatch& match) {
 
 }  // namespace
 
-Correction correct_loop(const Atlas& atlas, const LoopMatch& match, const LoopOptions& options) {
+std::optional<Correction> correct_loop(const Atlas& atlas, const LoopMatch& match,
+                                       const LoopOptions& options, const std::stop_token& stop) {
   if (atlas.at(match.current).map != atlas.at(match.matched).map) return weld(atlas, match);
   const std::vector<KeyFrameId> keyframes = keyframes_of(atlas, atlas.at(match.current).map);
   EssentialGraph essential(atlas, keyframes);
@@ -81,8 +83,10 @@ Correction correct_loop(const Atlas& atlas, const LoopMatch& match, const LoopOp
   }
   essential.add_edge(match.matched, match.current,
                      atlas.at(match.matched).T_world_camera.inverse() * match.T_world_current);
-  const PoseGraphResult solved = solve_pose_graph(essential.graph(), options.graph);
+  const PoseGraphResult solved = solve_pose_graph(essential.graph(), options.graph, stop);
+  if (solved.interrupted) return std::nullopt;
   Correction correction;
+  correction.revision = atlas.revision();
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     correction.T_world_keyframe[keyframes[i]] = solved.T_world_node[i];
   }

@@ -42,14 +42,14 @@ Gathered gather(const Atlas& atlas, MapId map) {
 }  // namespace
 
 std::optional<Correction> full_bundle(const Atlas& atlas, KeyFrameId member,
-                                      const LoopOptions& options, std::stop_token stop) {
+                                      const LoopOptions& options, const std::stop_token& stop) {
   const KeyFrame* keyframe = atlas.find(member);
   if (!keyframe) return std::nullopt;
   const Gathered gathered = gather(atlas, keyframe->map);
-  const BundleResult solved =
-      solve_bundle(atlas.camera(), gathered.problem, options.bundle, std::move(stop));
+  const BundleResult solved = solve_bundle(atlas.camera(), gathered.problem, options.bundle, stop);
   if (solved.interrupted) return std::nullopt;
   Correction correction;
+  correction.revision = atlas.revision();
   for (std::size_t i = 0; i < gathered.keyframes.size(); ++i) {
     correction.T_world_keyframe[gathered.keyframes[i]] = solved.T_camera_world[i].inverse();
   }

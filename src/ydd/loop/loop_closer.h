@@ -58,12 +58,14 @@ std::optional<LoopMatch> find_loop(const Atlas& atlas, KeyFrameId current,
 
 /// Spreads the correction of a loop over the map: pose-graph optimisation over the essential graph
 /// (spanning tree, strong covisibility, earlier loops). If the match is in another map, the
-/// older of the two stays and the younger is moved onto it rigidly.
+/// older of the two stays and the younger is moved onto it rigidly. Nothing if interrupted.
 /// Mur-Artal and Tardos, "ORB-SLAM2", IEEE T-RO 2017, section III-D.
-Correction correct_loop(const Atlas& atlas, const LoopMatch& match, const LoopOptions& options);
+std::optional<Correction> correct_loop(const Atlas& atlas, const LoopMatch& match,
+                                       const LoopOptions& options,
+                                       const std::stop_token& stop = {});
 
 /// Bundle adjustment over the whole map that `member` belongs to. Nothing if interrupted.
 std::optional<Correction> full_bundle(const Atlas& atlas, KeyFrameId member,
-                                      const LoopOptions& options, std::stop_token stop = {});
+                                      const LoopOptions& options, const std::stop_token& stop = {});
 
 }  // namespace ydd

@@ -62,12 +62,36 @@ MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token
   return report;
 }
 
-void Mapper::apply(const Correction& correction) {
+Applied Mapper::apply(const Correction& correction) {
+  const std::set<MapId> maps = maps_of(correction);
+  for (const MapId map : maps) {
+    const auto corrected = corrected_.find(map);
+    if (corrected != corrected_.end() && corrected->second > correction.revision) {
+      return Applied::refused;
+    }
+  }
+  const bool moved_on = atlas_.revision() != correction.revision;
   apply_correction(atlas_, correction);
   if (correction.seam) {
     sew(atlas_, *correction.seam, options_.fuse_radius_px, options_.min_covisible_weight,
         options_.match);
   }
+  for (const MapId map : maps) corrected_[map] = atlas_.revision();
+  return moved_on ? Applied::rebased : Applied::as_computed;
+}
+
+/// The maps that it moves, or places something in relation to.
+std::set<MapId> Mapper::maps_of(const Correction& correction) const {
+  std::set<MapId> maps;
+  const auto add = [&](KeyFrameId id) {
+    if (const KeyFrame* const keyframe = atlas_.find(id)) maps.insert(keyframe->map);
+  };
+  for (const auto& [id, T_world_keyframe] : correction.T_world_keyframe) add(id);
+  if (correction.seam) {
+    add(correction.seam->current);
+    add(correction.seam->matched);
+  }
+  return maps;
 }
 
 KeyFrameId Mapper::insert(const KeyFrameCandidate& candidate) {

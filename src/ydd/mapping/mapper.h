@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <set>
 #include <stop_token>
 #include <utility>
 #include <vector>
@@ -41,6 +43,13 @@ struct MapperReport {
   StageTimes times;
 };
 
+/// What became of a correction whose map may have moved on since it was computed.
+enum class Applied {
+  as_computed,  ///< nothing had changed
+  rebased,      ///< carried over to what is newer than its snapshot
+  refused,      ///< another correction came first: it would be undone. The map is as it was.
+};
+
 /// Builds and refines the map, one candidate at a time; owner of the atlas.
 ///
 /// insert -> cull points -> create points -> fuse -> bundle adjustment -> cull keyframes. Each step
@@ -55,8 +64,8 @@ class Mapper {
   /// Takes a candidate into the map. `stop` interrupts bundle adjustment (the map stays valid).
   MapperReport process(const KeyFrameCandidate& candidate, std::stop_token stop = {});
 
-  /// Takes over a correction that was computed on an earlier snapshot.
-  void apply(const Correction& correction);
+  /// Takes over a correction that was computed on an earlier snapshot, if that still makes sense.
+  [[nodiscard]] Applied apply(const Correction& correction);
 
   /// The map as it is, immutable.
   std::shared_ptr<const Atlas> snapshot() { return atlas_.snapshot(); }
@@ -65,12 +74,15 @@ class Mapper {
   Atlas take_atlas() && { return std::move(atlas_); }
 
  private:
+  std::set<MapId> maps_of(const Correction& correction) const;
   KeyFrameId insert(const KeyFrameCandidate& candidate);
   int add_points_from_depth(KeyFrameId keyframe);
 
   MapperOptions options_;
   Atlas atlas_;
   std::vector<MapPointId> recent_points_;  ///< created lately, on probation
+  /// The revision at which a map was last moved as a whole.
+  std::map<MapId, std::uint64_t> corrected_;
 };
 
 }  // namespace ydd

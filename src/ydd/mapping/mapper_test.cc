@@ -148,6 +148,63 @@ TEST(Mapper, AStopLeavesAValidMap) {
   EXPECT_GE(processed, 2);
 }
 
+/// A map of a walk, and the correction that moves all of it by `x_m`, as of now.
+Correction moved_along_x(const Mapper& mapper, double x_m) {
+  Correction correction;
+  correction.revision = mapper.atlas().revision();
+  mapper.atlas().keyframes().for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
+    correction.T_world_keyframe[id] =
+        SE3(Eigen::Quaterniond::Identity(), {x_m, 0, 0}) * keyframe.T_world_camera;
+  });
+  return correction;
+}
+
+class Corrections : public testing::Test {
+ protected:
+  /// Walks until the map has `keyframes` more than now.
+  void walk(int keyframes) {
+    while (keyframes > 0) {
+      const TrackResult result = walker_.step(mapper_.atlas());
+      ASSERT_EQ(result.state, TrackingState::tracking);
+      if (!result.candidate) continue;
+      mapper_.process(*result.candidate);
+      --keyframes;
+    }
+  }
+  double x_of_newest_m() const {
+    return mapper_.atlas().at(mapper_.atlas().newest_keyframe()).T_world_camera.translation().x();
+  }
+  Walker walker_;
+  Mapper mapper_ = mapper_for(walker_.world());
+};
+
+TEST_F(Corrections, OfTheMapAsItIsAreApplied) {
+  walk(2);
+  const double before_m = x_of_newest_m();
+  EXPECT_EQ(mapper_.apply(moved_along_x(mapper_, 1.0)), Applied::as_computed);
+  EXPECT_NEAR(x_of_newest_m() - before_m, 1.0, 1e-9);
+}
+
+TEST_F(Corrections, ArePassedOnToKeyframesThatCameMeanwhile) {
+  walk(2);
+  const Correction correction = moved_along_x(mapper_, 1.0);
+  walk(1);
+  const double before_m = x_of_newest_m();
+  EXPECT_EQ(mapper_.apply(correction), Applied::rebased);
+  EXPECT_NEAR(x_of_newest_m() - before_m, 1.0, 0.05);  // and what the newcomer has refined
+  EXPECT_THAT(mapper_.atlas().check_consistency(), IsEmpty());
+}
+
+TEST_F(Corrections, ThatWouldUndoANewerOneAreRefused) {
+  walk(2);
+  const Correction early = moved_along_x(mapper_, 1.0);
+  ASSERT_EQ(mapper_.apply(moved_along_x(mapper_, 5.0)), Applied::as_computed);
+  const std::string before = dump_map(mapper_.atlas());
+  EXPECT_EQ(mapper_.apply(early), Applied::refused);
+  EXPECT_EQ(dump_map(mapper_.atlas()), before) << "nothing has been changed";
+  EXPECT_EQ(mapper_.apply(moved_along_x(mapper_, 1.0)), Applied::as_computed);
+}
+
 TEST(Mapper, SnapshotsStayWhileTheMapGoesOn) {
   Walker walker;
   Mapper mapper = mapper_for(walker.world());

@@ -2,40 +2,58 @@
 #include "ydd/system/detector_runner.h"
 
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 namespace ydd {
 
 DetectorRunner::DetectorRunner(std::unique_ptr<Detector> detector)
-    : detector_(std::move(detector)), thread_([this] {
-        while (auto frame = frames_.pop()) {
-          StageTimes times;
-          Answer answer;
-          answer.frame = frame->index;
-          {
-            StageTimer timer(times, "detect");
-            answer.detections = detector_->detect(*frame);
-          }
-          answer.time = times.front();
-          answers_.push(std::move(answer));
-        }
-      }) {}
+    : detector_(std::move(detector)), thread_([this] { run(); }) {}
 
 DetectorRunner::~DetectorRunner() {
   frames_.close();
   answers_.close();
 }
 
+void DetectorRunner::run() noexcept {
+  const Result<void> ended = guarded("detector", [&]() -> Result<void> {
+    while (auto frame = frames_.pop()) answers_.push(answer(*frame));
+    return {};
+  });
+  if (!ended) failure_.set(ended.error());
+  frames_.close();  // nobody waits for a thread that has ended
+  answers_.close();
+}
+
+DetectorRunner::Answer DetectorRunner::answer(const RgbdFrame& frame) {
+  StageTimes times;
+  Answer answer;
+  answer.frame = frame.index;
+  {
+    StageTimer timer(times, "detect");
+    answer.detections = guarded("detector", [&] { return detector_->detect(frame); });
+  }
+  if (!times.empty()) answer.time = times.front();
+  return answer;
+}
+
 void DetectorRunner::start(const RgbdFrame& frame) { frames_.push(frame); }
 
 DetectorRunner::Answer DetectorRunner::join() {
   auto answer = answers_.pop();
-  if (!answer) throw std::logic_error("DetectorRunner: join without start");
-  return std::move(*answer);
+  return answer ? std::move(*answer) : failed();
 }
 
-std::optional<DetectorRunner::Answer> DetectorRunner::poll() { return answers_.try_pop(); }
+std::optional<DetectorRunner::Answer> DetectorRunner::poll() {
+  auto answer = answers_.try_pop();
+  if (!answer && failure_) return failed();
+  return answer;
+}
+
+DetectorRunner::Answer DetectorRunner::failed() const {
+  Answer answer;
+  answer.detections = failure_.get().error();
+  return answer;
+}
 
 void DetectOptions::describe(OptionTable& table) {
   table.add(

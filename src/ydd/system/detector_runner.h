@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "ydd/base/channel.h"
+#include "ydd/base/guard.h"
 #include "ydd/base/options.h"
 #include "ydd/base/timing.h"
 #include "ydd/detection/box_carrier.h"
@@ -25,7 +26,8 @@ struct DetectOptions {
 };
 
 /// A detector in a thread of its own, so that it works beside feature extraction. Every frame given
-/// to `start` is answered by one `join`, in order: results belong to their frame.
+/// to `start` is answered by one `join`, in order: results belong to their frame. What the detector
+/// throws is its answer's error.
 class DetectorRunner {
  public:
   struct Answer {
@@ -45,9 +47,14 @@ class DetectorRunner {
   std::optional<Answer> poll();
 
  private:
+  void run() noexcept;
+  Answer answer(const RgbdFrame& frame);
+  Answer failed() const;
+
   std::unique_ptr<Detector> detector_;  // used by thread_ only
   Channel<RgbdFrame> frames_{1};
   Channel<Answer> answers_{1};
+  FirstError failure_;  ///< of the thread itself
   std::jthread thread_;
 };
 

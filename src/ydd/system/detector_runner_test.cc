@@ -2,6 +2,7 @@
 #include "ydd/system/detector_runner.h"
 
 #include <atomic>
+#include <stdexcept>
 #include <thread>
 
 #include <fmt/format.h>
@@ -10,13 +11,14 @@
 namespace ydd {
 namespace {
 
-/// Sees one box whose place tells the frame; fails on frame 3.
+/// Sees one box whose place tells the frame; fails on frame 3, throws on frame 300.
 class Numbering final : public Detector {
  public:
   explicit Numbering(std::atomic<std::thread::id>* where = nullptr) : where_(where) {}
   Result<Detections> detect(const RgbdFrame& frame) override {
     if (where_) where_->store(std::this_thread::get_id());
     if (frame.index == 3) return Error{"frame 3 cannot be judged"};
+    if (frame.index == 300) throw std::runtime_error("a layer\nwithout memory");
     const auto x = static_cast<float>(frame.index);
     return Detections{{"person", 0.5F, {x, 0, x + 1, 1}}};
   }
@@ -52,6 +54,19 @@ TEST(DetectorRunner, AFailureBelongsToItsFrameOnly) {
     EXPECT_EQ(answer.detections.ok(), i != 3);
     if (i == 3) {
       EXPECT_EQ(answer.detections.error().message, "frame 3 cannot be judged");
+    }
+  }
+}
+
+TEST(DetectorRunner, WhatItThrowsIsAnErrorOfItsFrame) {
+  DetectorRunner runner(std::make_unique<Numbering>());
+  for (int i = 299; i < 302; ++i) {
+    runner.start(frame(i));
+    const auto answer = runner.join();
+    EXPECT_EQ(answer.detections.ok(), i != 300);
+    EXPECT_EQ(answer.frame, i);
+    if (i == 300) {
+      EXPECT_EQ(answer.detections.error().message, "detector: internal: a layer without memory");
     }
   }
 }

@@ -67,14 +67,14 @@ TEST_P(LastingMap, IsSavedAndGoneOnWith) {
   {
     const auto system = start();
     feed(*system, 0, 30);
-    system->finish();
+    EXPECT_TRUE(system->finish());
     ASSERT_TRUE(system->save_map(folder_ / "a.map").ok());
     EXPECT_EQ(dump_map(load_map(folder_ / "a.map").value()), dump_map(*system->atlas()));
   }
   const auto system = start(load_map(folder_ / "a.map").value());
   const std::size_t keyframes = system->atlas()->keyframes().size();
   EXPECT_EQ(feed(*system, 29, kFrames), kFrames - 29);
-  system->finish();
+  EXPECT_TRUE(system->finish());
   EXPECT_GT(system->atlas()->keyframes().size(), keyframes);
   EXPECT_EQ(system->atlas()->maps(), 1U);
   EXPECT_TRUE(system->atlas()->check_consistency().empty());
@@ -86,7 +86,7 @@ TEST_P(LastingMap, IsSavedAndGoneOnWith) {
 TEST_P(LastingMap, LocalizationOnlyChangesNothingUntilItIsSwitchedOff) {
   const auto first = start();
   feed(*first, 0, 40);
-  first->finish();
+  EXPECT_TRUE(first->finish());
   ASSERT_TRUE(first->save_map(folder_ / "a.map").ok());
   const auto system = start(load_map(folder_ / "a.map").value());
   system->set_localization_only(true);
@@ -95,7 +95,7 @@ TEST_P(LastingMap, LocalizationOnlyChangesNothingUntilItIsSwitchedOff) {
   EXPECT_EQ(dump_map(*system->atlas()), before);
   system->set_localization_only(false);
   feed(*system, 35, kFrames);
-  system->finish();
+  EXPECT_TRUE(system->finish());
   EXPECT_NE(dump_map(*system->atlas()), before);
 }
 
@@ -113,7 +113,7 @@ TEST_P(LastingMap, IsSavedWhileTheCameraMoves) {
     ++seen;
   }
   EXPECT_GT(seen, 0);
-  system->finish();
+  EXPECT_TRUE(system->finish());
   ASSERT_TRUE(system->save_map(file).ok());
   EXPECT_EQ(dump_map(load_map(file).value()), dump_map(*system->atlas()));
   const StageTimes times = system->save_times();
@@ -141,7 +141,7 @@ TEST_P(LastingMap, TwoOfOnePlaceAreWelded) {
   const auto run = [&](int from, int to) {
     const auto system = start();
     feed(*system, from, to);
-    system->finish();
+    EXPECT_TRUE(system->finish());
     const auto saved = ydd::save_map(*system->atlas(), folder_ / "x.map", Replacing::anything);
     EXPECT_TRUE(saved.ok()) << saved.error().message;
     return load_map(folder_ / "x.map").value();
@@ -165,7 +165,7 @@ TEST_P(LastingMap, TwoOfDifferentPlacesStayApart) {
   const auto run = [&](const Wall& wall) {
     SlamSystem system(wall.camera(), options_, ObjectCatalogue::defaults(), nullptr);
     for (int i = 0; i < 30; ++i) EXPECT_TRUE(system.process(wall.frame(i)).ok());
-    system.finish();
+    EXPECT_TRUE(system.finish());
     EXPECT_TRUE(system.save_map(folder_ / "x.map").ok());
     return load_map(folder_ / "x.map").value();
   };

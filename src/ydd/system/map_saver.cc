@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "ydd/base/guard.h"
 #include "ydd/base/log.h"
 
 namespace ydd {
@@ -37,7 +38,8 @@ void MapSaver::offer(const std::shared_ptr<const Atlas>& atlas) {
 Result<void> MapSaver::save(std::shared_ptr<const Atlas> atlas) {
   handed_over_ = atlas->revision();
   tasks_.push({std::move(atlas), true});
-  return answers_.pop().value();
+  if (auto answer = answers_.pop()) return *std::move(answer);
+  return Error{file_.string() + ": the thread that saves the map has ended"};
 }
 
 StageTimes MapSaver::times() {
@@ -45,9 +47,20 @@ StageTimes MapSaver::times() {
   return times_;
 }
 
-void MapSaver::run() {
+void MapSaver::run() noexcept {
+  (void)guarded("", [&]() -> Result<void> {
+    work_off();
+    return {};
+  });
+  tasks_.close();  // nobody waits for a thread that has ended
+  answers_.close();
+  busy_.store(false);
+  busy_.notify_all();
+}
+
+void MapSaver::work_off() {
   while (auto task = tasks_.pop()) {
-    Result<void> saved = work(*task->atlas);
+    Result<void> saved = guarded(file_.native(), [&] { return work(*task->atlas); });
     if (!saved && !task->answered) {
       log::warning("{}; the map goes on, the file holds an earlier state", saved.error().message);
     }

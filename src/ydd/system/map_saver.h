@@ -13,7 +13,7 @@
 namespace ydd {
 
 /// Saves snapshots of the map to a file in a thread of its own: neither tracking nor mapping waits
-/// for the disk. At most one save is under way.
+/// for the disk. At most one save is under way. What a save throws is its failure.
 ///
 /// Thread: one caller.
 class MapSaver {
@@ -41,7 +41,8 @@ class MapSaver {
     std::shared_ptr<const Atlas> atlas;
     bool answered = false;  ///< somebody waits for the result
   };
-  void run();
+  void run() noexcept;
+  void work_off();
   Result<void> work(const Atlas& atlas);
 
   const std::filesystem::path file_;

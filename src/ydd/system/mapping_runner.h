@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "ydd/base/result.h"
 #include "ydd/loop/loop_closer.h"
 #include "ydd/mapping/mapper.h"
 
@@ -19,33 +20,56 @@ struct LoopReport {
   SE3 T_matched_current;  ///< as measured
 };
 
+/// What became of the loop closer's work: everything that was asked for is counted somewhere.
+struct LoopCounts {
+  int keyframes_left_out = 0;   ///< not looked at: too far behind, or a prompt end
+  int full_bundles = 0;         ///< done
+  int full_bundles_merged = 0;  ///< one that was still to be done served for this loop as well
+  int rebased = 0;              ///< corrections that were carried over to a map that had moved on
+  int refused = 0;              ///< corrections that came too late (Applied::refused)
+  int interrupted = 0;          ///< pose graphs and bundles that a prompt end cut short or left out
+};
+
 /// Everything that the back end did.
 struct MappingReports {
   std::vector<MapperReport> keyframes;  ///< one per keyframe, in order
   std::vector<LoopReport> loops;
+  LoopCounts loop_counts;
   StageTimes loop_times;  ///< of the loop closer, per keyframe and per loop
 };
 
+/// How a run ends.
+enum class Ending {
+  complete,  ///< what waits is worked off
+  prompt,    ///< what is being solved is interrupted; keyframes that wait are still inserted
+};
+
 /// Puts mapper and loop closer somewhere: into the caller's thread, or into threads of their own.
+///
+/// What they throw is a failure: the map stays as it was published last, the rest is dropped, and
+/// every call tells the failure.
 class MappingRunner {
  public:
   virtual ~MappingRunner() = default;
   /// Hands over a candidate. False if the mapper is too far behind to take it. A candidate that
   /// starts a map is always taken, and the map is there when the call returns.
-  virtual bool submit(KeyFrameCandidate candidate) = 0;
+  virtual Result<bool> submit(KeyFrameCandidate candidate) = 0;
   /// No candidate waits or is being worked on.
   virtual bool idle() const = 0;
   /// The newest published map; never null.
   virtual std::shared_ptr<const Atlas> atlas() const = 0;
-  /// Works off what waits and stops. Further candidates are refused.
-  virtual void finish() = 0;
+  /// What went wrong so far.
+  virtual Result<void> failure() const = 0;
+  /// Stops. Further candidates are refused.
+  virtual Result<void> finish(Ending ending) = 0;
   /// Complete after `finish`.
   virtual MappingReports reports() const = 0;
 };
 
 /// Mapper and loop closer in the caller's thread: deterministic.
 std::unique_ptr<MappingRunner> make_inline_mapping(Mapper mapper, const LoopOptions& options);
-/// Mapper and loop closer in a thread each.
+/// Mapper and loop closer in a thread each. @throws std::system_error if there is no thread to be
+/// had.
 std::unique_ptr<MappingRunner> make_threaded_mapping(Mapper mapper, const LoopOptions& options);
 
 }  // namespace ydd

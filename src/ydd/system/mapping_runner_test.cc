@@ -44,12 +44,12 @@ TEST_P(Runner, BuildsAConsistentMapWhileTheCameraMoves) {
     if (i > 0) {
       EXPECT_LT(position_error_m(result.T_world_camera, Walker::path(i)), 0.015) << "frame " << i;
     }
-    if (result.candidate && runner_->submit(*result.candidate)) ++taken;
+    if (result.candidate && runner_->submit(*result.candidate).value()) ++taken;
     if (i % 10 == 0) {
       ASSERT_THAT(runner_->atlas()->check_consistency(), IsEmpty());
     }
   }
-  runner_->finish();
+  EXPECT_TRUE(runner_->finish(Ending::complete));
   EXPECT_TRUE(runner_->idle());
   EXPECT_GE(taken, 3U);
   EXPECT_EQ(runner_->reports().keyframes.size(), taken) << "finish() works off what waits";
@@ -65,34 +65,34 @@ TEST_P(Runner, BuildsAConsistentMapWhileTheCameraMoves) {
 TEST_P(Runner, AMapThatIsStartedIsThereAtOnce) {
   EXPECT_TRUE(runner_->atlas()->keyframes().empty());
   const auto view = look(walker_.world(), SE3());
-  ASSERT_TRUE(runner_->submit(candidate_of(view, 0, {}, {})));
+  ASSERT_TRUE(runner_->submit(candidate_of(view, 0, {}, {})).value());
   EXPECT_EQ(runner_->atlas()->keyframes().size(), 1U);
 }
 
 TEST_P(Runner, DrainsWhatWaitsAndThenRefuses) {
   const auto view = look(walker_.world(), SE3());
-  ASSERT_TRUE(runner_->submit(candidate_of(view, 0, {}, {})));
+  ASSERT_TRUE(runner_->submit(candidate_of(view, 0, {}, {})).value());
   const KeyFrameId first = runner_->atlas()->newest_keyframe();
   std::size_t taken = 1;
   for (int i = 1; i <= 10; ++i) {  // faster than they can be mapped
     const SE3 T = Walker::path(4 * i);
-    if (runner_->submit(candidate_of(look(walker_.world(), T), i, first, T))) ++taken;
+    if (runner_->submit(candidate_of(look(walker_.world(), T), i, first, T)).value()) ++taken;
   }
-  runner_->finish();
+  EXPECT_TRUE(runner_->finish(Ending::complete));
   EXPECT_EQ(runner_->reports().keyframes.size(), taken);
   EXPECT_TRUE(runner_->idle());
-  EXPECT_FALSE(runner_->submit(candidate_of(view, 11, first, {})));
-  EXPECT_FALSE(runner_->submit(candidate_of(view, 12, {}, {})));
-  runner_->finish();  // a second time does no harm
+  EXPECT_FALSE(runner_->submit(candidate_of(view, 11, first, {})).value());
+  EXPECT_FALSE(runner_->submit(candidate_of(view, 12, {}, {})).value());
+  EXPECT_TRUE(runner_->finish(Ending::complete));  // a second time does no harm
   EXPECT_EQ(runner_->reports().keyframes.size(), taken);
   EXPECT_THAT(runner_->atlas()->check_consistency(), IsEmpty());
 }
 
 TEST_P(Runner, MayBeDroppedWithoutFinish) {
   const auto view = look(walker_.world(), SE3());
-  ASSERT_TRUE(runner_->submit(candidate_of(view, 0, {}, {})));
+  ASSERT_TRUE(runner_->submit(candidate_of(view, 0, {}, {})).value());
   const KeyFrameId first = runner_->atlas()->newest_keyframe();
-  for (int i = 1; i <= 3; ++i) runner_->submit(candidate_of(view, i, first, {}));
+  for (int i = 1; i <= 3; ++i) (void)runner_->submit(candidate_of(view, i, first, {}));
   runner_.reset();
 }
 
@@ -112,9 +112,11 @@ TEST(ThreadedMapping, OtherThreadsMayReadTheMapMeanwhile) {
   });
   for (int i = 0; i < 20; ++i) {
     const TrackResult result = walker.step(*runner->atlas(), runner->idle());
-    if (result.candidate) runner->submit(*result.candidate);
+    if (result.candidate) {
+      EXPECT_TRUE(runner->submit(*result.candidate));
+    }
   }
-  runner->finish();
+  EXPECT_TRUE(runner->finish(Ending::complete));
   while (seen == 0) std::this_thread::yield();  // it may not have had its turn yet
 }
 

@@ -2,7 +2,9 @@
 #include "ydd/system/merge_maps.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 #include "ydd/map/join_atlases.h"
@@ -39,6 +41,13 @@ std::optional<LoopMatch> best_match(const Atlas& atlas, MapId map, const std::se
   return best;
 }
 
+/// Nobody else works on the map: what was computed on it fits it.
+void apply_to(Mapper& mapper, const std::optional<Correction>& correction) {
+  if (!correction || mapper.apply(*correction) != Applied::as_computed) {
+    throw std::logic_error("merge_maps: a map that moved by itself");
+  }
+}
+
 }  // namespace
 
 Result<MergedMaps> merge_maps(const Atlas& a, const Atlas& b, const MapperOptions& mapping,
@@ -58,11 +67,8 @@ Result<MergedMaps> merge_maps(const Atlas& a, const Atlas& b, const MapperOption
       continue;
     }
     out.welds.push_back({map, atlas->at(match->matched).map, match->seen.size()});
-    mapper.apply(correct_loop(*atlas, *match, loop));
-    if (!loop.full_bundle) continue;
-    if (const auto refined = full_bundle(*mapper.snapshot(), match->matched, loop)) {
-      mapper.apply(*refined);
-    }
+    apply_to(mapper, correct_loop(*atlas, *match, loop));
+    if (loop.full_bundle) apply_to(mapper, full_bundle(*mapper.snapshot(), match->matched, loop));
   }
   out.atlas = std::move(mapper).take_atlas();
   return out;

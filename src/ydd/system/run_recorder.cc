@@ -76,6 +76,15 @@ Json to_json(const Pairing& pairing) {
           {"depth_later_s", pairing.depth_later_s}};
 }
 
+Json to_json(const LoopCounts& counts) {
+  return {{"keyframes_left_out", counts.keyframes_left_out},
+          {"full_bundles", counts.full_bundles},
+          {"full_bundles_merged", counts.full_bundles_merged},
+          {"corrections_rebased", counts.rebased},
+          {"corrections_refused", counts.refused},
+          {"interrupted", counts.interrupted}};
+}
+
 }  // namespace
 
 double peak_resident_mb() {
@@ -134,6 +143,7 @@ std::map<std::string, RunRecorder::Series> RunRecorder::mapper_series(const Slam
 std::string RunRecorder::summary_json(const RunDescription& run, const SlamSystem& system,
                                       double wall_seconds) const {
   const auto atlas = system.atlas();
+  const MappingReports reports = system.mapping_reports();
   Json lost = Json::array();
   for (const Span& span : lost_) lost.push_back({{"first", span.first}, {"last", span.last}});
   Json skipped = Json::array();
@@ -172,7 +182,8 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"frames_tracked", tracked_},
       {"frames_coasting", doubts_},
       {"lost_spans", lost},
-      {"loops", loops_to_json(system.mapping_reports().loops)},
+      {"loops", loops_to_json(reports.loops)},
+      {"loop_closing", to_json(reports.loop_counts)},
       {"live_commands", commands},
       {"keyframes_inserted", keyframes_},
       {"keyframes_kept", atlas->keyframes().size()},

@@ -33,7 +33,7 @@ struct Recorded {
     }
     recorder.add_skipped(8, "rgb/8.png: \"broken\"");
     recorder.add_dropped(4);
-    system.finish();
+    EXPECT_TRUE(system.finish());
     const RunDescription run{"wall", "full", "boxes.jsonl", true, false, 7};
     summary = json::parse(recorder.summary_json(run, system, 2.0));
     timings = json::parse(recorder.timings_json(system));

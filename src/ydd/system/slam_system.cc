@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "ydd/base/guard.h"
 #include "ydd/map/map_file.h"
 
 namespace ydd {
@@ -74,6 +75,7 @@ SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
 }
 
 Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
+  if (const Result<void> failed = mapping_->failure(); !failed) return failed.error();
   FrameReport report;
   report.index = frame.index;
   report.stamp = frame.stamp;
@@ -89,7 +91,7 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
     report.judgement = judge_.judge(features, report.detections, frame.depth_m);
     report.observations = std::make_shared<const Observations>(observe(features, report.judgement));
   }
-  track(frame, report);
+  if (auto r = track(frame, report); !r) return r.error();
   if (saver_) saver_->offer(atlas());
   total_timer.stop();
   report.times.push_back(total.front());
@@ -118,7 +120,7 @@ Result<Detections> SlamSystem::join_detections(const RgbdFrame& frame, FrameRepo
   return std::move(answer.detections);
 }
 
-void SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
+Result<void> SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   TrackedFrame tracked;
   tracked.index = frame.index;
   tracked.stamp = frame.stamp;
@@ -141,23 +143,22 @@ void SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   std::optional<KeyFrameCandidate> candidate = std::exchange(report.track.candidate, {});
   if (candidate) {
     StageTimer timer(report.times, "submit_keyframe");
-    report.keyframe = submit(std::move(*candidate));
+    const Result<bool> taken = mapping_->submit(std::move(*candidate));
+    if (!taken) return taken.error();
+    report.keyframe = *taken;
   }
   const bool has_pose =
       report.track.state == TrackingState::tracking || report.track.reference.valid();
-  if (!has_pose) return;
+  if (!has_pose) return {};
   // The frame that starts a map is its first keyframe, which exists only now.
   if (!report.track.reference.valid()) report.track.reference = atlas()->newest_keyframe();
   trajectory_.push_back({frame.stamp, report.track.reference, report.track.T_reference_camera});
-}
-
-bool SlamSystem::submit(KeyFrameCandidate candidate) {
-  return mapping_->submit(std::move(candidate));
+  return {};
 }
 
 void SlamSystem::reset() {
   const Variant variant = judge_.options().parsed_variant();
-  mapping_->finish();
+  (void)mapping_->finish(Ending::prompt);  // its failure goes with its map
   mapping_ = make_mapping(initial_atlas(camera_, options_, std::nullopt), options_);
   tracker_ = Tracker(options_.tracking);
   judge_ = DynamicsJudge(options_.dynamics, judge_.catalogue());
@@ -167,13 +168,15 @@ void SlamSystem::reset() {
   trajectory_.clear();
 }
 
-void SlamSystem::finish() { mapping_->finish(); }
+Result<void> SlamSystem::finish(Ending ending) { return mapping_->finish(ending); }
 
 Result<void> SlamSystem::autosave_to(const std::filesystem::path& file, Replacing replacing) {
   Result<MapWriter> writer = MapWriter::open(file, replacing);
   if (!writer) return writer.error();
-  saver_ = std::make_unique<MapSaver>(std::move(*writer), options_.map.autosave_s);
-  return {};
+  return guarded(file.native(), [&]() -> Result<void> {
+    saver_ = std::make_unique<MapSaver>(std::move(*writer), options_.map.autosave_s);
+    return {};
+  });
 }
 
 Result<void> SlamSystem::save_map(const std::filesystem::path& file) {

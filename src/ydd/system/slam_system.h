@@ -52,7 +52,8 @@ class SlamSystem {
   SlamSystem(const Camera& camera, const SystemOptions& options, ObjectCatalogue catalogue,
              std::unique_ptr<Detector> detector, std::optional<Atlas> map = std::nullopt);
 
-  /// Fails only when the detector cannot judge the frame.
+  /// Fails when the detector cannot judge the frame, or when one of the threads inside has failed;
+  /// what was tracked before stays as it is.
   Result<FrameReport> process(const RgbdFrame& frame);
 
   /// What is rejected from the next frame on.
@@ -60,7 +61,7 @@ class SlamSystem {
   Variant variant() const { return judge_.options().parsed_variant(); }
 
   /// Forgets every map, the trajectory and what is known of persons; the next frame starts the
-  /// first map again, with the variant of now. Waits until the mapper has worked off what it has.
+  /// first map again, with the variant of now. What the mapper still has is dropped.
   /// Ids given out so far mean nothing afterwards. Mapping goes on also if it was switched off, and
   /// an autosave file will hold the new map.
   void reset();
@@ -77,8 +78,10 @@ class SlamSystem {
   /// Saves the map as it is now, whole when it returns; also after `finish`.
   Result<void> save_map(const std::filesystem::path& file);
 
-  /// Works off what the mapper still has. Afterwards nothing may be processed.
-  void finish();
+  /// Works off what the mapper still has, or, with a prompt ending, interrupts it and keeps what
+  /// there is. Afterwards nothing may be processed. Tells what went wrong in a thread inside; map
+  /// and trajectory are there all the same.
+  Result<void> finish(Ending ending = Ending::complete);
 
   /// Poses of the frames that were tracked in the main map (the one that most frames belong to),
   /// resolved against its newest state. Frames of another map that was never welded to it have no
@@ -94,8 +97,7 @@ class SlamSystem {
  private:
   Features extract(const RgbdFrame& frame, FrameReport& report);
   Result<Detections> join_detections(const RgbdFrame& frame, FrameReport& report);
-  void track(const RgbdFrame& frame, FrameReport& report);
-  bool submit(KeyFrameCandidate candidate);
+  Result<void> track(const RgbdFrame& frame, FrameReport& report);
   MapId main_map() const;
 
   Camera camera_;

@@ -57,7 +57,7 @@ TEST_P(System, FollowsTheCameraAndResolvesEveryFrame) {
     ASSERT_FALSE(report->times.empty());
     EXPECT_EQ(report->times.back().stage, "total");
   }
-  system.finish();
+  EXPECT_TRUE(system.finish());
   const StampedPoses trajectory = system.trajectory();
   ASSERT_EQ(trajectory.size(), static_cast<std::size_t>(kFrames));
   for (int i = 0; i < kFrames; ++i) {
@@ -87,8 +87,8 @@ TEST_P(System, ResetForgetsEverythingAndStartsAfresh) {
     ASSERT_TRUE(system.process(wall.frame(i)).ok());
     ASSERT_TRUE(fresh.process(wall.frame(i)).ok());
   }
-  system.finish();
-  fresh.finish();
+  EXPECT_TRUE(system.finish());
+  EXPECT_TRUE(fresh.finish());
   if (GetParam()) {  // else the mapper's pace decides
     EXPECT_EQ(dump_map(*system.atlas()), dump_map(*fresh.atlas()));
   }
@@ -120,7 +120,7 @@ TEST_P(System, FramesWithoutAPoseAreNotInTheTrajectory) {
     ASSERT_TRUE(report.ok());
     EXPECT_EQ(report->track.state == TrackingState::tracking, !dark) << "frame " << i;
   }
-  system.finish();
+  EXPECT_TRUE(system.finish());
   const StampedPoses trajectory = system.trajectory();
   ASSERT_EQ(trajectory.size(), 15U);
   EXPECT_EQ(trajectory.front().stamp, wall.stamp(2));
@@ -143,7 +143,7 @@ TEST_P(System, RejectedPointsNeverReachTheMap) {
     ASSERT_EQ(report->detections.size(), 1U);
     rejected += static_cast<int>(report->observations->rejected.size());
   }
-  system.finish();
+  EXPECT_TRUE(system.finish());
   EXPECT_GT(rejected, 0);
   const Box person{100, 40, 180, 240};
   std::size_t kept = 0;
@@ -164,8 +164,52 @@ TEST(SlamSystem, GivesTheErrorOfItsDetector) {
   const Result<FrameReport> report = system.process(wall.frame(5));
   ASSERT_FALSE(report.ok());
   EXPECT_EQ(report.error().message, "recording.jsonl: frame 5 is not recorded");
-  system.finish();
+  EXPECT_TRUE(system.finish());
   EXPECT_EQ(system.trajectory().size(), 5U);
+}
+
+/// A frame that can be tracked, but no keyframe with a picture can be made of it: JPEG ends at
+/// 65535 pixels.
+RgbdFrame too_wide(RgbdFrame frame) {
+  constexpr int kWidth = 140'000;
+  static const DepthImage depth_m(kWidth, 240, std::vector<float>(std::size_t{kWidth} * 240, 2.0F));
+  static const ColourImage colour(kWidth, 240, std::vector<Bgr>(std::size_t{kWidth} * 240));
+  frame.depth_m = depth_m;
+  frame.colour = colour;
+  return frame;
+}
+
+TEST_P(System, AnExceptionInTheMapperEndsTheRunWithAnErrorAndKeepsWhatThereIs) {
+  const Wall wall(kFrames);
+  SystemOptions options = options_for(GetParam());
+  options.map.pictures = true;
+  SlamSystem system(wall.camera(), options, ObjectCatalogue::defaults(), nullptr);
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(system.process(wall.frame(i)).ok());
+  std::string failure;
+  for (int i = 10; i < kFrames && failure.empty(); ++i) {
+    const Result<FrameReport> report = system.process(too_wide(wall.frame(i)));
+    if (!report) failure = report.error().message;
+  }
+  const Result<void> finished = system.finish();
+  ASSERT_FALSE(finished.ok());
+  EXPECT_THAT(finished.error().message, testing::StartsWith("mapping: internal: "));
+  if (!failure.empty()) {
+    EXPECT_EQ(failure, finished.error().message);
+  }
+  EXPECT_GE(system.trajectory().size(), 10U);
+  EXPECT_GE(system.atlas()->keyframes().size(), 1U);
+  EXPECT_THAT(system.atlas()->check_consistency(), IsEmpty());
+}
+
+TEST_P(System, AMapperThatFailsOnTheFirstFrameIsNotWaitedFor) {
+  const Wall wall(kFrames);
+  SystemOptions options = options_for(GetParam());
+  options.map.pictures = true;
+  SlamSystem system(wall.camera(), options, ObjectCatalogue::defaults(), nullptr);
+  EXPECT_FALSE(system.process(too_wide(wall.frame(0))).ok());
+  EXPECT_FALSE(system.process(wall.frame(1)).ok());
+  EXPECT_FALSE(system.finish().ok());
+  EXPECT_THAT(system.trajectory(), IsEmpty());
 }
 
 TEST(SlamSystem, IsDeterministicWhenAsked) {
@@ -174,7 +218,7 @@ TEST(SlamSystem, IsDeterministicWhenAsked) {
     SlamSystem system(wall.camera(), options_for(true, "full"), ObjectCatalogue::defaults(),
                       std::make_unique<Fixed>());
     for (int i = 0; i < 25; ++i) EXPECT_TRUE(system.process(wall.frame(i)).ok());
-    system.finish();
+    EXPECT_TRUE(system.finish());
     return format_trajectory(system.trajectory(), TrajectoryFormat::tum) +
            dump_map(*system.atlas());
   };

@@ -151,7 +151,7 @@ TEST(LiveRun, ResetStartsAfreshAndSaysSo) {
   EXPECT_EQ(live->status.resets, 1);
   EXPECT_EQ(live->history->size(), 2U);
   EXPECT_EQ(live->report->track.state, TrackingState::tracking);
-  run.system.finish();
+  EXPECT_TRUE(run.system.finish());
   ASSERT_EQ(run.system.trajectory().size(), 2U);
   EXPECT_LT(run.system.trajectory().front().T_world_camera.translation().norm(), 1e-9);
 }
@@ -176,7 +176,7 @@ TEST(LiveRun, CommandsAreKeptForTheSummary) {
 TEST(LiveRun, FinishedItShowsTheFinalMapAndRefusesCommands) {
   WallRun run;
   run.frames(4);
-  run.system.finish();
+  EXPECT_TRUE(run.system.finish());
   run.live.finish();
   EXPECT_TRUE(run.control.newest()->status.finished);
   EXPECT_EQ(run.control.newest()->atlas, run.system.atlas());
