@@ -4,13 +4,16 @@
 // run without words about detection uses.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "command_line.h"
 #include "ydd/dataset/trajectory.h"
+#include "ydd/dataset/tum_sequence.h"
 #include "ydd/detection/boxes.h"
 #include "ydd/detection/recorded_detections.h"
 #include "ydd/evaluation/ate.h"
@@ -104,6 +107,42 @@ TEST(DefaultDetector, IsLeftOutWhereNothingIsRejected) {
   }
 }
 
+/// The sample, as a camera of a thousand pictures a second would have taken it.
+fs::path hurried_sample(const fs::path& to) {
+  const Sequence sequence = Sequence::open(kSample).value();
+  fs::create_directories(to);
+  fs::copy_file(kSample / "camera.yaml", to / "camera.yaml");
+  std::ofstream colour(to / "rgb.txt"), depth(to / "depth.txt");
+  for (std::size_t i = 0; i < 6; ++i) {
+    const std::string stamp = fmt::format("{:.6f}", 1700000000.0 + 0.001 * static_cast<double>(i));
+    colour << stamp << " " << fs::absolute(sequence.entry(i).colour_file).string() << "\n";
+    depth << stamp << " " << fs::absolute(sequence.entry(i).depth_file).string() << "\n";
+  }
+  return to;
+}
+
+TEST(DefaultDetector, DoesNotHoldUpACameraThatIsQuicker) {
+  const TemporaryFolder folder;
+  const fs::path sequence = hurried_sample(folder / "s");
+  struct Case {
+    std::vector<std::string> words;
+    std::string told, mode;
+  };
+  const std::vector<Case> cases = {
+      {{"--realtime"}, "tracking does not wait for boxes", "mode: asynchronous"},
+      {{"--realtime", "--detect", "every-frame"}, "pictures will be dropped", "mode: every-frame"},
+      {{}, "this run is slower than the camera", "mode: every-frame"}};
+  for (const Case& c : cases) {
+    const fs::path out = folder / fmt::format("o{}", c.words.size());
+    std::vector<std::string> arguments = {"run", sequence, "--out", out};
+    arguments.insert(arguments.end(), c.words.begin(), c.words.end());
+    const Outcome outcome = plain(arguments, folder.path());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(c.told));
+    EXPECT_THAT(read_file(out / "config.yaml").value(), HasSubstr(c.mode));
+  }
+}
+
 TEST(DefaultDetector, IsNamedByTheEnvironment) {
   const TemporaryFolder folder;
   const Outcome outcome = run_programme({"env", "YDD_DETECTOR=nowhere.yaml", YDD_BINARY, "run",
@@ -111,6 +150,7 @@ TEST(DefaultDetector, IsNamedByTheEnvironment) {
   EXPECT_EQ(outcome.exit_code, 1);
   ASSERT_EQ(outcome.error_lines().size(), 1U) << outcome.err;
   EXPECT_THAT(outcome.error_lines().front(), HasSubstr("nowhere.yaml"));
+  EXPECT_THAT(outcome.error_lines().front(), HasSubstr("YDD_DETECTOR"));
   EXPECT_FALSE(fs::exists(folder / "a"));
 }
 

@@ -15,4 +15,7 @@ inline constexpr const char* kNoDetector = "none";
 /// installed or built in. The failure says where it was looked for.
 Result<std::string> default_detector();
 
+/// Why that detector was taken, for whoever reads what is wrong with it: a part of a sentence.
+std::string default_detector_origin();
+
 }  // namespace ydd::app

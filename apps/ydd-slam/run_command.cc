@@ -39,10 +39,10 @@ void add_method_options(CLI::App& command, RunRequest& request) {
                      "detector (default: YDD_DETECTOR, else the network of the programme)");
   command.add_option("--detector-set", request.detector_set, "Set one detector option: key=value")
       ->allow_extra_args(false);
-  command.add_option(
-      "--detect", request.detect,
-      "every-frame: tracking waits for the boxes of each frame; asynchronous: it never "
-      "waits, boxes are carried on");
+  command.add_option("--detect", request.detect,
+                     "auto (default), every-frame: tracking waits for the boxes of each frame; "
+                     "asynchronous: it never "
+                     "waits, boxes are carried on");
   command.add_option("--detections", request.detections, "Replay recorded detections (JSON lines)");
   command.add_option("--objects", request.objects, "Object catalogue YAML (configs/objects.yaml)");
   command.add_option("--seed", request.seed, "Seed of every random choice");

@@ -6,11 +6,14 @@
 
 #include <fmt/format.h>
 
+#include "default_detector.h"
+#include "look_pace.h"
 #include "run_configuration.h"
 #include "run_folder.h"
 #include "run_map.h"
 #include "run_results.h"
 #include "run_watch.h"
+#include "ydd/base/cores.h"
 #include "ydd/base/log.h"
 #include "ydd/base/timing.h"
 
@@ -52,12 +55,32 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
   Result<ObjectCatalogue> catalogue = run_catalogue(*request);
   if (!catalogue) return catalogue.error();
   Result<std::unique_ptr<Detector>> detector = make_run_detector(*request, *catalogue);
-  if (!detector) return detector.error();
+  if (!detector) {
+    const bool by_default = asked.detector.empty() && asked.detections.empty();
+    if (!by_default) return detector.error();
+    return Error{detector.error().message + " (" + default_detector_origin() + ")"};
+  }
   Result<std::optional<Atlas>> map =
       open_run_map(*request, configuration->camera, configuration->options);
   if (!map) return map.error();
   return Inputs{*std::move(configuration), *std::move(request),  *std::move(sequence),
                 *std::move(catalogue),     *std::move(detector), *std::move(map)};
+}
+
+/// Replaces detect.mode "auto". Runs of equal bytes do not depend on how quick a machine is.
+void settle_detect_mode(Inputs& inputs) {
+  SystemOptions& options = inputs.configuration.options;
+  const bool looks = inputs.detector != nullptr && !inputs.request.detector.empty();
+  if (!looks || options.deterministic) {
+    if (options.detect.mode == "auto") options.detect.mode = "every-frame";
+    return;
+  }
+  const std::optional<LookPace> pace =
+      measure_look(*inputs.detector, inputs.sequence, inputs.configuration.camera);
+  const DetectChoice choice = choose_detect_mode(options.detect.mode, pace.value_or(LookPace{}),
+                                                 inputs.request.realtime, available_cores());
+  options.detect.mode = choice.mode;
+  if (!choice.message.empty()) log::info("{}", choice.message);
 }
 
 /// One line of all that went wrong; empty: nothing did.
@@ -85,6 +108,7 @@ RunOutcome outcome_of(const RunResults& results, const std::string& write_failur
 Result<RunOutcome> run_sequence(const RunRequest& asked) {
   Result<Inputs> inputs = open_inputs(asked);
   if (!inputs) return inputs.error();
+  settle_detect_mode(*inputs);
   const RunRequest& request = inputs->request;
   const Camera& camera = inputs->configuration.camera;
   Result<RunFolder> folder = RunFolder::make(request.out, inputs->sequence.name());

@@ -57,9 +57,10 @@ DetectorRunner::Answer DetectorRunner::failed() const {
 
 void DetectOptions::describe(OptionTable& table) {
   table.add(
-      "mode", mode, {"every-frame", "asynchronous"},
+      "mode", mode, {"auto", "every-frame", "asynchronous"},
       "asynchronous: tracking never waits; boxes are carried on from the newest frame that the "
-      "detector has seen");
+      "detector has seen; auto: every-frame, except in real time when looking is slower than the "
+      "camera");
   table.add("latency_frames", latency_frames, {0, 30}, "",
             "asynchronous: use answers just so many frames later; 0: as soon as they are there "
             "(deterministic runs: 2)");

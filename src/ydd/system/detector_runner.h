@@ -18,7 +18,7 @@ namespace ydd {
 
 /// When frames get boxes.
 struct DetectOptions {
-  std::string mode = "every-frame";
+  std::string mode = "auto";  ///< auto: the application decides, every-frame where it does not
   int latency_frames = 0;
   CarryOptions carry;
   void describe(OptionTable& table);
