@@ -46,7 +46,7 @@ function(ydd_room name)
   if(YDD_BUILD_TESTS AND tests)
     add_executable(ydd_${name}_test ${tests})
     target_link_libraries(ydd_${name}_test PRIVATE ydd::${name} ${ROOM_PRIVATE} ydd_build_flags
-                                                   GTest::gmock GTest::gtest_main)
+                                                   ydd_test_flags GTest::gmock GTest::gtest_main)
     target_compile_definitions(ydd_${name}_test PRIVATE
       YDD_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     ydd_precompile(ydd_${name}_test)

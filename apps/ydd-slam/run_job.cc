@@ -49,7 +49,6 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
   if (!configuration) return configuration.error();
   Result<Sequence> sequence = Sequence::open(asked.sequence, configuration->sequence);
   if (!sequence) return sequence.error();
-  tell_pairing(*sequence, configuration->sequence);
   Result<RunRequest> request = with_detector(asked, configuration->options.dynamics.variant);
   if (!request) return request.error();
   Result<ObjectCatalogue> catalogue = run_catalogue(*request);
@@ -108,7 +107,6 @@ RunOutcome outcome_of(const RunResults& results, const std::string& write_failur
 Result<RunOutcome> run_sequence(const RunRequest& asked) {
   Result<Inputs> inputs = open_inputs(asked);
   if (!inputs) return inputs.error();
-  settle_detect_mode(*inputs);
   const RunRequest& request = inputs->request;
   const Camera& camera = inputs->configuration.camera;
   Result<RunFolder> folder = RunFolder::make(request.out, inputs->sequence.name());
@@ -118,6 +116,8 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   if (!pictures) return pictures.error();
   listeners.pictures = *std::move(pictures);
 
+  tell_pairing(inputs->sequence, inputs->configuration.sequence);
+  settle_detect_mode(*inputs);
   const bool has_detector = inputs->detector != nullptr;
   SlamSystem system(camera, inputs->configuration.options, inputs->catalogue,
                     std::move(inputs->detector), std::move(inputs->map));
