@@ -22,7 +22,7 @@ target_compile_features(ydd_flags INTERFACE cxx_std_20)
 # (docs/adr/0004-processor-baseline.md). With AVX, fixed-size types are aligned to 32 bytes anyway.
 target_compile_definitions(ydd_flags INTERFACE EIGEN_MAX_ALIGN_BYTES=32
   $<INSTALL_INTERFACE:EIGEN_MAX_STATIC_ALIGN_BYTES=32>)
-if(NOT YDD_MARCH STREQUAL "x86-64-v3")
+if(NOT YDD_MARCH MATCHES "x86-64-v[34]")
   target_compile_definitions(ydd_flags INTERFACE
     $<BUILD_INTERFACE:EIGEN_MAX_STATIC_ALIGN_BYTES=32>)
 endif()

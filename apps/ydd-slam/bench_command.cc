@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
 #include <memory>
 
 #include <fmt/format.h>
@@ -8,6 +6,7 @@
 #include "bench.h"
 #include "bench_seeds.h"
 #include "commands.h"
+#include "scratch_folder.h"
 
 namespace ydd::app {
 namespace {
@@ -18,12 +17,9 @@ using Bench = Result<std::string> (*)(const BenchRequest&, const fs::path&);
 
 /// Runs a bench with a scratch folder that goes afterwards.
 Result<void> run_bench(Bench bench, const BenchRequest& request) {
-  const fs::path scratch = fs::temp_directory_path() / fmt::format("ydd-slam-bench-{}", ::getpid());
-  std::error_code error;
-  fs::create_directories(scratch, error);
-  if (error) return Error{fmt::format("{}: cannot be created", scratch.string())};
-  Result<std::string> table = bench(request, scratch);
-  fs::remove_all(scratch, error);
+  const Result<ScratchFolder> scratch = ScratchFolder::make();
+  if (!scratch) return scratch.error();
+  const Result<std::string> table = bench(request, scratch->path());
   if (!table) return table.error();
   fmt::print("{}", *table);
   return {};

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 
@@ -8,6 +6,7 @@
 
 #include "bench_seeds.h"
 #include "run_job.h"
+#include "scratch_folder.h"
 #include "ydd/base/log.h"
 #include "ydd/place/place_query.h"
 
@@ -148,12 +147,10 @@ Result<Counts> recording_counts(const std::string& sequence, const SeedRequest& 
   run.set = request.set;
   run.set.emplace_back("loop.enabled=false");
   run.deterministic = run.quiet = true;
-  const fs::path scratch =
-      fs::temp_directory_path() / fmt::format("ydd-slam-places-{}", ::getpid());
-  run.out = scratch.string();
+  const Result<ScratchFolder> scratch = ScratchFolder::make();
+  if (!scratch) return scratch.error();
+  run.out = (scratch->path() / "run").string();
   const Result<RunOutcome> outcome = run_whole_sequence(run);
-  std::error_code ignored;
-  fs::remove_all(scratch, ignored);
   if (!outcome) return outcome.error();
   if (!outcome->groundtruth_file) {
     return Error{fmt::format("{}: has no groundtruth.txt", sequence)};

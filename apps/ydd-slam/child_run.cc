@@ -2,17 +2,20 @@
 #include "child_run.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/utsname.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <fstream>
 #include <thread>
 
 #include <fmt/format.h>
 
 #include "ydd/base/files.h"
+#include "ydd/base/interruption.h"
 #include "ydd/base/json_reader.h"
 
 namespace ydd::app {
@@ -20,6 +23,22 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+/// Waits for a child, and ends it when this process is asked to end. Its exit code; negative if it
+/// died.
+int wait_for(pid_t child) {
+  using std::chrono::milliseconds;
+  int status = 0;
+  pid_t ended = 0;
+  while ((ended = ::waitpid(child, &status, WNOHANG)) == 0) {
+    if (interruption::sleep_until(std::chrono::steady_clock::now() + milliseconds(5))) continue;
+    ::kill(child, SIGTERM);
+    ended = ::waitpid(child, &status, 0);
+    break;
+  }
+  if (ended < 0) return -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
 
 /// Runs this programme again; its output goes to `log`. Gives the exit code, negative if it could
 /// not be started or died.
@@ -37,9 +56,7 @@ int spawn_self(std::vector<std::string>& arguments, const fs::path& log) {
   const int failed =
       ::posix_spawn(&child, "/proc/self/exe", &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
-  int status = 0;
-  if (failed != 0 || ::waitpid(child, &status, 0) < 0) return -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return failed == 0 ? wait_for(child) : -1;
 }
 
 std::string last_line(const std::string& text) {
