@@ -38,16 +38,19 @@ thread_local bool is_tester = false;
   throw std::bad_alloc();
 }
 
+/// Not inlined: the compiler would see `free` at what its own `new` has given.
+[[maybe_unused, gnu::noinline]] void give_back(void* memory) noexcept { std::free(memory); }
+
 }  // namespace
 
 // Sanitizers have operators of their own, which know which belongs to which.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 void* operator new(std::size_t size) { return counted(size, __builtin_return_address(0)); }
 void* operator new[](std::size_t size) { return counted(size, __builtin_return_address(0)); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept { give_back(memory); }
+void operator delete[](void* memory) noexcept { give_back(memory); }
+void operator delete(void* memory, std::size_t) noexcept { give_back(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { give_back(memory); }
 #endif
 
 namespace ydd::e2e {
