@@ -37,7 +37,7 @@ inline std::string ints(std::string_view name, const std::vector<std::uint64_t>&
 inline std::string tensor(std::string_view name, const std::vector<std::uint64_t>& dims,
                           const std::vector<float>& values) {
   std::string raw(values.size() * sizeof(float), '\0');
-  std::memcpy(raw.data(), values.data(), raw.size());
+  if (!raw.empty()) std::memcpy(raw.data(), values.data(), raw.size());
   std::string out;
   for (const std::uint64_t d : dims) out += number(1, d);
   return out + number(2, 1) + bytes(8, name) + bytes(9, raw);
@@ -47,7 +47,7 @@ inline std::string tensor(std::string_view name, const std::vector<std::uint64_t
 inline std::string integer_tensor(std::string_view name, const std::vector<std::uint64_t>& dims,
                                   const std::vector<std::int64_t>& values) {
   std::string raw(values.size() * sizeof(std::int64_t), '\0');
-  std::memcpy(raw.data(), values.data(), raw.size());
+  if (!raw.empty()) std::memcpy(raw.data(), values.data(), raw.size());
   std::string out;
   for (const std::uint64_t d : dims) out += number(1, d);
   return out + number(2, 7) + bytes(8, name) + bytes(9, raw);
