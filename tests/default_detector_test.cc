@@ -4,16 +4,15 @@
 // run without words about detection uses.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "altered_sequence.h"
 #include "command_line.h"
 #include "ydd/dataset/trajectory.h"
-#include "ydd/dataset/tum_sequence.h"
 #include "ydd/detection/boxes.h"
 #include "ydd/detection/recorded_detections.h"
 #include "ydd/evaluation/ate.h"
@@ -107,23 +106,13 @@ TEST(DefaultDetector, IsLeftOutWhereNothingIsRejected) {
   }
 }
 
-/// The sample, as a camera of a thousand pictures a second would have taken it.
-fs::path hurried_sample(const fs::path& to) {
-  const Sequence sequence = Sequence::open(kSample).value();
-  fs::create_directories(to);
-  fs::copy_file(kSample / "camera.yaml", to / "camera.yaml");
-  std::ofstream colour(to / "rgb.txt"), depth(to / "depth.txt");
-  for (std::size_t i = 0; i < 6; ++i) {
-    const std::string stamp = fmt::format("{:.6f}", 1700000000.0 + 0.001 * static_cast<double>(i));
-    colour << stamp << " " << fs::absolute(sequence.entry(i).colour_file).string() << "\n";
-    depth << stamp << " " << fs::absolute(sequence.entry(i).depth_file).string() << "\n";
-  }
-  return to;
-}
-
 TEST(DefaultDetector, DoesNotHoldUpACameraThatIsQuicker) {
   const TemporaryFolder folder;
-  const fs::path sequence = hurried_sample(folder / "s");
+  const fs::path sequence = folder / "s";  // of a camera that takes a thousand pictures a second
+  make_altered(kSample, sequence, [](std::size_t i, SequenceEntry& entry) {
+    entry.stamp.ns = 1'700'000'000'000'000'000 + 1'000'000 * static_cast<std::int64_t>(i);
+    entry.depth_stamp = entry.stamp;
+  });
   struct Case {
     std::vector<std::string> words;
     std::string told, mode;
@@ -134,7 +123,7 @@ TEST(DefaultDetector, DoesNotHoldUpACameraThatIsQuicker) {
       {{}, "this run is slower than the camera", "mode: every-frame"}};
   for (const Case& c : cases) {
     const fs::path out = folder / fmt::format("o{}", c.words.size());
-    std::vector<std::string> arguments = {"run", sequence, "--out", out};
+    std::vector<std::string> arguments = {"run", sequence, "--max-frames", "6", "--out", out};
     arguments.insert(arguments.end(), c.words.begin(), c.words.end());
     const Outcome outcome = plain(arguments, folder.path());
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;

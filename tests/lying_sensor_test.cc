@@ -5,7 +5,6 @@
 // crowd where YDD_DATA names the folder that holds crowd_xyz.
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <random>
 
 #include <fmt/format.h>
@@ -13,8 +12,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "altered_sequence.h"
 #include "small_world.h"
-#include "ydd/dataset/tum_sequence.h"
 #include "ydd/evaluation/ate.h"
 #include "ydd/image/decode.h"
 #include "ydd/image/encode.h"
@@ -59,33 +58,21 @@ void write_turned(const fs::path& file, const ColourImage& upright) {
 void make_faulty(const fs::path& from, const fs::path& to, Fault fault, const Stretch& stretch) {
   const Result<Sequence> sequence = Sequence::open(from);
   ASSERT_TRUE(sequence.ok()) << sequence.error().message;
-  fs::create_directories(to);
-  for (const char* const name : {"camera.yaml", "groundtruth.txt"}) {
-    if (fs::exists(from / name)) fs::copy_file(from / name, to / name);
-  }
-  std::ofstream colour(to / "rgb.txt");
-  std::ofstream depth(to / "depth.txt");
-  for (std::size_t i = 0; i < sequence->size(); ++i) {
-    const SequenceEntry& entry = sequence->entry(i);
-    fs::path colour_file = fs::absolute(entry.colour_file);
-    fs::path depth_file = fs::absolute(entry.depth_file);
-    if (stretch.holds(i)) {
-      if (fault == Fault::frozen) {
-        depth_file = fs::absolute(sequence->entry(stretch.first).depth_file);
-      } else if (fault == Fault::late) {
-        depth_file = fs::absolute(sequence->entry(i - kLateFrames).depth_file);
-      } else if (fault == Fault::turned) {
-        colour_file = fs::absolute(to) / fmt::format("{}.png", i);
-        write_turned(colour_file, load_colour(entry.colour_file).value());
-      } else {
-        depth_file = fs::absolute(to) / fmt::format("{}.png", i);
-        write_depth(depth_file, load_raw_depth(entry.depth_file).value(), fault,
-                    static_cast<unsigned>(i));
-      }
+  make_altered(from, to, [&](std::size_t i, SequenceEntry& entry) {
+    if (!stretch.holds(i)) return;
+    const fs::path made = to / fmt::format("{}.png", i);
+    if (fault == Fault::frozen) {
+      entry.depth_file = sequence->entry(stretch.first).depth_file;
+    } else if (fault == Fault::late) {
+      entry.depth_file = sequence->entry(i - kLateFrames).depth_file;
+    } else if (fault == Fault::turned) {
+      write_turned(made, load_colour(entry.colour_file).value());
+      entry.colour_file = made;
+    } else {
+      write_depth(made, load_raw_depth(entry.depth_file).value(), fault, static_cast<unsigned>(i));
+      entry.depth_file = made;
     }
-    colour << format_timestamp(entry.stamp) << " " << colour_file.string() << "\n";
-    depth << format_timestamp(entry.depth_stamp) << " " << depth_file.string() << "\n";
-  }
+  });
 }
 
 /// ATE in metres of the frames outside of the stretch.

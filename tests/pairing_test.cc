@@ -2,7 +2,6 @@
 // Depth images whose stamps are wrong: what is left out is told, and the pictures tell the offset.
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -11,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "altered_sequence.h"
 #include "small_world.h"
-#include "ydd/dataset/tum_sequence.h"
 
 namespace ydd::e2e {
 namespace {
@@ -25,21 +24,9 @@ using testing::Not;
 /// The sequence with other stamps of its depth images.
 template <class Stamp>
 void make_restamped(const fs::path& from, const fs::path& to, Stamp stamp_of) {
-  const Result<Sequence> sequence = Sequence::open(from);
-  ASSERT_TRUE(sequence.ok()) << sequence.error().message;
-  fs::create_directories(to);
-  for (const char* const name : {"camera.yaml", "groundtruth.txt"}) {
-    if (fs::exists(from / name)) fs::copy_file(from / name, to / name);
-  }
-  std::ofstream colour(to / "rgb.txt");
-  std::ofstream depth(to / "depth.txt");
-  for (std::size_t i = 0; i < sequence->size(); ++i) {
-    const SequenceEntry& entry = sequence->entry(i);
-    colour << format_timestamp(entry.stamp) << " " << fs::absolute(entry.colour_file).string()
-           << "\n";
-    depth << format_timestamp(stamp_of(i, entry.depth_stamp)) << " "
-          << fs::absolute(entry.depth_file).string() << "\n";
-  }
+  make_altered(from, to, [&](std::size_t i, SequenceEntry& entry) {
+    entry.depth_stamp = stamp_of(i, entry.depth_stamp);
+  });
 }
 
 constexpr int kLength = kSanitized ? 24 : 120;

@@ -2,10 +2,11 @@
 #include "look_pace.h"
 
 #include <algorithm>
-#include <vector>
 
 #include <fmt/format.h>
 
+#include "run_pace.h"
+#include "ydd/base/guard.h"
 #include "ydd/base/timing.h"
 
 namespace ydd::app {
@@ -13,15 +14,6 @@ namespace {
 
 constexpr const char* kEveryFrame = "every-frame";
 constexpr const char* kAsynchronous = "asynchronous";
-
-double median_interval_ms(const Sequence& sequence) {
-  std::vector<double> intervals_ms;
-  for (std::size_t i = 1; i < sequence.size(); ++i) {
-    intervals_ms.push_back(1e3 *
-                           seconds_between(sequence.entry(i - 1).stamp, sequence.entry(i).stamp));
-  }
-  return statistics_of(std::move(intervals_ms)).median;
-}
 
 /// Whether looking keeps up. It shares the interval with nobody on two cores, with tracking on one.
 bool keeps_pace(const LookPace& pace, int cores) {
@@ -36,10 +28,10 @@ std::optional<LookPace> measure_look(Detector& detector, const Sequence& sequenc
   if (sequence.size() < 2) return std::nullopt;
   const Result<RgbdFrame> frame = sequence.read(0, camera);
   if (!frame) return std::nullopt;
-  LookPace pace{0, median_interval_ms(sequence)};
+  LookPace pace{0, 1e3 * median_gap_s(sequence)};
   for (int i = 0; i < 2; ++i) {  // the first may still allocate
     const std::int64_t start_ns = wall_clock_ns();
-    if (!detector.detect(*frame)) return std::nullopt;
+    if (!guarded("detector", [&] { return detector.detect(*frame); })) return std::nullopt;
     const double took_ms = 1e-6 * static_cast<double>(wall_clock_ns() - start_ns);
     pace.look_ms = i == 0 ? took_ms : std::min(pace.look_ms, took_ms);
   }
@@ -48,7 +40,6 @@ std::optional<LookPace> measure_look(Detector& detector, const Sequence& sequenc
 
 DetectChoice choose_detect_mode(const std::string& mode, const LookPace& pace, bool realtime,
                                 int cores) {
-  if (mode == kAsynchronous) return {kAsynchronous, ""};
   if (keeps_pace(pace, cores)) return {kEveryFrame, ""};
   const std::string fact = fmt::format("a look takes {:.0f} ms and a picture comes every {:.0f} ms",
                                        pace.look_ms, pace.interval_ms);

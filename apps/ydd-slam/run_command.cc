@@ -41,8 +41,7 @@ void add_method_options(CLI::App& command, RunRequest& request) {
       ->allow_extra_args(false);
   command.add_option("--detect", request.detect,
                      "auto (default), every-frame: tracking waits for the boxes of each frame; "
-                     "asynchronous: it never "
-                     "waits, boxes are carried on");
+                     "asynchronous: it never waits, boxes are carried on");
   command.add_option("--detections", request.detections, "Replay recorded detections (JSON lines)");
   command.add_option("--objects", request.objects, "Object catalogue YAML (configs/objects.yaml)");
   command.add_option("--seed", request.seed, "Seed of every random choice");

@@ -69,6 +69,7 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
 /// Replaces detect.mode "auto". Runs of equal bytes do not depend on how quick a machine is.
 void settle_detect_mode(Inputs& inputs) {
   SystemOptions& options = inputs.configuration.options;
+  if (options.detect.asynchronous()) return;
   const bool looks = inputs.detector != nullptr && !inputs.request.detector.empty();
   if (!looks || options.deterministic) {
     if (options.detect.mode == "auto") options.detect.mode = "every-frame";

@@ -20,13 +20,13 @@ double gap_s(const Sequence& sequence, std::size_t before) {
   return seconds_between(sequence.entry(before).stamp, sequence.entry(before + 1).stamp);
 }
 
+}  // namespace
+
 double median_gap_s(const Sequence& sequence) {
   std::vector<double> gaps;
   for (std::size_t i = 0; i + 1 < sequence.size(); ++i) gaps.push_back(gap_s(sequence, i));
   return statistics_of(std::move(gaps)).median;
 }
-
-}  // namespace
 
 std::vector<std::string> odd_stamps(const Sequence& sequence, double fps) {
   std::vector<std::string> out;

@@ -10,6 +10,9 @@
 
 namespace ydd::app {
 
+/// Seconds from one frame to the next, by their stamps; 0 with fewer than two frames.
+double median_gap_s(const Sequence& sequence);
+
 /// What is odd about the times of the frames, one line each: gaps that no camera makes, and a
 /// spacing that tells of another unit than seconds. `fps` is the camera's.
 std::vector<std::string> odd_stamps(const Sequence& sequence, double fps);
