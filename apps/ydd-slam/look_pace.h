@@ -26,9 +26,9 @@ struct DetectChoice {
   std::string message;  ///< for the user; empty: nothing to say
 };
 
-/// Decides between the modes auto and every-frame: a run that keeps the camera's pace does not wait for a detector
-/// that cannot. `cores` are those that the process may use: on a single one, looking and tracking
-/// take turns.
+/// Decides between the modes auto and every-frame: a run that keeps the camera's pace does not wait
+/// for a detector that cannot. `cores` are those that the process may use: on a single one, looking
+/// and tracking take turns.
 DetectChoice choose_detect_mode(const std::string& mode, const LookPace& pace, bool realtime,
                                 int cores);
 
