@@ -6,6 +6,11 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(YDD_UNITY)
+  # What a file needs it includes itself all the same: the presets dev and tidy compile one by one.
+  set(CMAKE_UNITY_BUILD ON)
+  set(CMAKE_UNITY_BUILD_BATCH_SIZE 8)
+endif()
 
 find_program(YDD_CCACHE ccache)
 if(YDD_CCACHE)
@@ -37,6 +42,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(ydd_build_flags INTERFACE
     -Wno-error=null-dereference -Wno-null-dereference -Wno-error=maybe-uninitialized
     -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
+endif()
+if(YDD_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # A struct of a .cc file may hold what its anonymous namespace defines; unity hides whose it is.
+  target_compile_options(ydd_build_flags INTERFACE -Wno-subobject-linkage)
 endif()
 # Tests wait for the library's code, not for their own: -O3 doubles the time that they compile.
 add_library(ydd_test_flags INTERFACE) # not exported

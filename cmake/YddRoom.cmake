@@ -1,24 +1,32 @@
+# Precompiled headers: one for all targets, and one for all tests.
+if(YDD_PCH)
+  file(WRITE ${CMAKE_BINARY_DIR}/pch.cc "")
+  foreach(pch ydd_pch ydd_test_pch)
+    add_library(${pch} STATIC ${CMAKE_BINARY_DIR}/pch.cc)
+    target_link_libraries(${pch} PRIVATE ydd::flags ydd_build_flags Eigen3::Eigen fmt::fmt
+                                         Threads::Threads)
+    target_precompile_headers(${pch} PRIVATE
+      <algorithm> <array> <cmath> <filesystem> <memory> <optional> <string> <vector>
+      <Eigen/Core> <Eigen/Geometry> <fmt/format.h>)
+  endforeach()
+  if(YDD_BUILD_TESTS)
+    target_link_libraries(ydd_test_pch PRIVATE ydd_test_flags GTest::gmock
+                                               nlohmann_json::nlohmann_json)
+    target_precompile_headers(ydd_test_pch PRIVATE <gmock/gmock.h> <gtest/gtest.h>
+                                                   <nlohmann/json.hpp>)
+  endif()
+endif()
+function(ydd_precompile target pch)
+  if(YDD_PCH)
+    target_precompile_headers(${target} REUSE_FROM ${pch})
+  endif()
+endfunction()
+
 # ydd_room(<name> [ROOMS <room>...] [PUBLIC <lib>...] [PRIVATE <lib>...])
 #
 # One folder, one target ydd::<name>. Sources are all *.cc of the folder; *_test.cc beside them
 # become the test programme ydd_<name>_test. ROOMS may only name rooms above this one in
 # src/ydd/CMakeLists.txt (tools/check-architecture holds that against the includes too).
-# One precompiled header, shared by all targets.
-if(YDD_PCH)
-  file(WRITE ${CMAKE_BINARY_DIR}/pch.cc "")
-  add_library(ydd_pch STATIC ${CMAKE_BINARY_DIR}/pch.cc)
-  target_link_libraries(ydd_pch PRIVATE ydd::flags ydd_build_flags Eigen3::Eigen fmt::fmt
-                                        Threads::Threads)
-  target_precompile_headers(ydd_pch PRIVATE
-    <algorithm> <array> <cmath> <memory> <optional> <string> <vector>
-    <Eigen/Core> <Eigen/Geometry> <fmt/format.h>)
-endif()
-function(ydd_precompile target)
-  if(YDD_PCH)
-    target_precompile_headers(${target} REUSE_FROM ydd_pch)
-  endif()
-endfunction()
-
 function(ydd_room name)
   cmake_parse_arguments(ROOM "" "" "ROOMS;PUBLIC;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS *.cc)
@@ -33,7 +41,7 @@ function(ydd_room name)
                                       PRIVATE ${ROOM_PRIVATE} $<BUILD_INTERFACE:ydd_build_flags>)
     target_include_directories(ydd_${name} PUBLIC
       $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
-    ydd_precompile(ydd_${name})
+    ydd_precompile(ydd_${name} ydd_pch)
   else()
     add_library(ydd_${name} INTERFACE)
     target_link_libraries(ydd_${name} INTERFACE ydd::flags ${ROOM_ROOMS} ${ROOM_PUBLIC})
@@ -49,7 +57,7 @@ function(ydd_room name)
                                                    ydd_test_flags GTest::gmock GTest::gtest_main)
     target_compile_definitions(ydd_${name}_test PRIVATE
       YDD_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-    ydd_precompile(ydd_${name}_test)
+    ydd_precompile(ydd_${name}_test ydd_test_pch)
     gtest_discover_tests(ydd_${name}_test TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 120
                          PROPERTIES LABELS "quick" TIMEOUT 300)
   endif()

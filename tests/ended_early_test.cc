@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "altered_sequence.h"
 #include "small_world.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/map/map_file.h"
@@ -48,21 +49,29 @@ Outcome shell(const std::string& script, const fs::path& folder = ".") {
   return run_programme({"sh", "-c", "Y=" YDD_BINARY "; " + script}, folder);
 }
 
+/// The frames of `sequence`, half a second apart: played at their pace, they wait for whatever is
+/// to happen in between, however slow the machine is.
+fs::path played_slowly(const fs::path& sequence, const fs::path& to) {
+  make_altered(sequence, to, [](std::size_t i, SequenceEntry& entry) {
+    entry.stamp = entry.depth_stamp = {static_cast<std::int64_t>(i + 1) * 500'000'000};
+  });
+  return to;
+}
+
 class EndedBySignal : public testing::TestWithParam<int> {};
 
 TEST_P(EndedBySignal, WritesWhatWasDone) {
   const TemporaryFolder folder;
   std::mt19937 random(static_cast<unsigned>(GetParam()));
-  // Somewhere in the two seconds of the sequence, which is played at its pace.
   const int wait_ms = std::uniform_int_distribution<int>(300, 1500)(random);
-  // Frames take longer where sanitizers look on: wait until the first one has been tracked.
+  const fs::path slow = played_slowly(room(), folder / "slow");
   const Outcome outcome = shell(
       fmt::format(
           // A shell's background jobs ignore SIGINT.
           "env --default-signal=INT $Y run {} --realtime --out o --save-map o.map >out 2>err & "
           "while ! grep -q 'map started' err; do sleep 0.05; done; sleep {:.3f}; kill -{} $!; wait "
           "$!",
-          room().string(), wait_ms * 1e-3, GetParam()),
+          slow.string(), wait_ms * 1e-3, GetParam()),
       folder.path());
   EXPECT_EQ(outcome.exit_code, 128 + GetParam());
   const json summary = summary_of(folder / "o");
@@ -160,10 +169,12 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(EndedEarly, AMapThatCannotBeSavedCostsOnlyTheMap) {
   const TemporaryFolder folder;
+  const fs::path slow = played_slowly(few_frames(), folder / "slow");
   const Outcome outcome =
-      shell(fmt::format("mkdir m; $Y run {} --out o --quiet --save-map m/a.map --realtime & "
-                        "sleep 0.3; rm -r m; wait $!",
-                        room().string()),
+      shell(fmt::format("mkdir m; $Y run {} --out o --save-map m/a.map --realtime 2>err & "
+                        "while ! grep -q 'map started' err; do sleep 0.05; done; rm -r m; "
+                        "wait $!; result=$?; cat err >&2; exit $result",
+                        slow.string()),
             folder.path());
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("a.map"));

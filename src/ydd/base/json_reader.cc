@@ -7,10 +7,10 @@
 namespace ydd {
 namespace {
 
-constexpr std::size_t kLargestText = std::size_t{256} << 20;
-constexpr int kDeepest = 64;
+constexpr std::size_t kLargestJson = std::size_t{256} << 20;
+constexpr int kDeepestJson = 64;
 
-/// Whether brackets outside of strings open more than kDeepest levels.
+/// Whether brackets outside of strings open more than kDeepestJson levels.
 bool is_too_deep(std::string_view text) {
   int depth = 0;
   bool in_string = false;
@@ -22,7 +22,7 @@ bool is_too_deep(std::string_view text) {
     } else if (c == '"') {
       in_string = true;
     } else if (c == '[' || c == '{') {
-      if (++depth > kDeepest) return true;
+      if (++depth > kDeepestJson) return true;
     } else if (c == ']' || c == '}') {
       --depth;
     }
@@ -33,12 +33,12 @@ bool is_too_deep(std::string_view text) {
 }  // namespace
 
 Result<nlohmann::ordered_json> parse_json(std::string_view text, std::string_view source) {
-  if (text.size() > kLargestText) {
+  if (text.size() > kLargestJson) {
     return Error{fmt::format("{}: {} bytes of JSON, more than can be ({})", source, text.size(),
-                             kLargestText)};
+                             kLargestJson)};
   }
   if (is_too_deep(text)) {
-    return Error{fmt::format("{}: JSON nested in more than {} levels", source, kDeepest)};
+    return Error{fmt::format("{}: JSON nested in more than {} levels", source, kDeepestJson)};
   }
   try {
     return nlohmann::ordered_json::parse(text);

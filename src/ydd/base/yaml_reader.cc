@@ -17,8 +17,8 @@
 namespace ydd {
 namespace {
 
-constexpr std::size_t kLargestText = std::size_t{4} << 20;
-constexpr std::size_t kDeepest = 32;
+constexpr std::size_t kLargestYaml = std::size_t{4} << 20;
+constexpr std::size_t kDeepestYaml = 32;
 constexpr std::size_t kMostValues = 100'000;
 
 /// Walks through the text before anything is built of it. An alias counts as all the values that
@@ -73,8 +73,8 @@ class BoundsCheck : public YAML::EventHandler {
   void open(const YAML::Mark& mark, YAML::anchor_t anchor) {
     has_content_ = true;
     open_.push_back({anchor, values_});
-    if (open_.size() > kDeepest) {
-      throw YAML::ParserException(mark, fmt::format("nested in more than {} levels", kDeepest));
+    if (open_.size() > kDeepestYaml) {
+      throw YAML::ParserException(mark, fmt::format("nested in more than {} levels", kDeepestYaml));
     }
     count(mark, 1);
   }
@@ -214,9 +214,9 @@ std::string yaml_line(const std::string& source, const YAML::Node& node) {
 }
 
 Result<YAML::Node> parse_yaml(const std::string& text, const std::string& source, Keys keys) {
-  if (text.size() > kLargestText) {
+  if (text.size() > kLargestYaml) {
     return Error{fmt::format("{}: {} bytes, more than such a file can need ({})", source,
-                             text.size(), kLargestText)};
+                             text.size(), kLargestYaml)};
   }
   if (text.find('\0') != std::string::npos) {
     return Error{fmt::format("{}: not a text file: it holds a zero byte", source)};
@@ -241,9 +241,9 @@ Result<YAML::Node> read_yaml(const std::filesystem::path& file, Keys keys) {
     return Error{fmt::format("{}: not a file but a folder, pipe or device", file.string())};
   }
   if (const auto bytes = std::filesystem::file_size(file, failure);
-      !failure && bytes > kLargestText) {
+      !failure && bytes > kLargestYaml) {
     return Error{fmt::format("{}: {} bytes, more than such a file can need ({})", file.string(),
-                             bytes, kLargestText)};
+                             bytes, kLargestYaml)};
   }
   const Result<std::string> text = read_file(file);
   if (!text) return text.error();

@@ -20,7 +20,7 @@ LayerGraph layers_of(const std::string& model) {
   return std::move(*layers);
 }
 
-std::string failure_of(const std::string& model) {
+std::string translation_failure(const std::string& model) {
   auto graph = read_onnx(model);
   if (!graph) return graph.error().message;
   auto layers = make_layers(std::move(*graph));
@@ -93,17 +93,17 @@ TEST(Layers, LastUsesTellWhenAValueIsDone) {
 
 TEST(Layers, WhatIsNotUnderstoodIsNamed) {
   GraphWriter g;
-  EXPECT_EQ(failure_of(g.finish({g.node("Tanh", {"images"})})),
+  EXPECT_EQ(translation_failure(g.finish({g.node("Tanh", {"images"})})),
             "operator Tanh is not one of those");
   GraphWriter h;
-  EXPECT_EQ(failure_of(h.finish(
+  EXPECT_EQ(translation_failure(h.finish(
                 {h.node("Concat", {"images", "images"}, GraphWriter::integer("axis", 2))})),
             "operator Concat along another axis than channels");
   GraphWriter i;
-  EXPECT_EQ(failure_of(i.finish({i.node("Mul", {"images", i.constant({2})})})),
+  EXPECT_EQ(translation_failure(i.finish({i.node("Mul", {"images", i.constant({2})})})),
             "operator Mul of constants");
   GraphWriter j;
-  EXPECT_EQ(failure_of(j.finish(
+  EXPECT_EQ(translation_failure(j.finish(
                 {j.node("Resize", {"images", j.constant({}), j.constant({1, 1, 1.5F, 1.5F})})})),
             "operator Resize by a factor that is not whole");
 }

@@ -32,10 +32,6 @@ float alpha_of(const Layer& layer) {
   return layer.activation == Activation::leaky_relu ? layer.slope : 0.0F;
 }
 
-memory::dims dims_of(const std::array<int, 2>& pair, int less = 0) {
-  return {pair[0] - less, pair[1] - less};
-}
-
 dnnl::primitive_attr attributes_of(const Layer& layer, bool activates, bool adds) {
   dnnl::post_ops after_it;
   if (activates && layer.activation != Activation::none) {
@@ -79,6 +75,10 @@ std::optional<Convolution::primitive_desc> ask(const ConvolutionProblem& problem
 }
 
 }  // namespace
+
+memory::dims dims_of(const std::array<int, 2>& pair, int less) {
+  return {pair[0] - less, pair[1] - less};
+}
 
 bool is_reference(const std::string& implementation) {
   return implementation.rfind("ref", 0) == 0 || implementation.find(":ref") != std::string::npos;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
 
 #include <dnnl.hpp>
@@ -38,6 +39,8 @@ dnnl::eltwise_forward::primitive_desc choose_activation(const Layer& layer,
                                                         const dnnl::memory::desc& map,
                                                         const dnnl::engine& engine);
 
+/// Rows and columns of a window, each `less`.
+dnnl::memory::dims dims_of(const std::array<int, 2>& pair, int less = 0);
 dnnl::memory::dims convolution_weight_dims(const Layer& layer);
 
 /// The first kernel that is no reference. @throws std::runtime_error where there is none.

@@ -36,8 +36,6 @@ class OpenMpThreads {
   int before_;
 };
 
-memory::dims dims_of(const std::array<int, 2>& pair) { return {pair[0], pair[1]}; }
-
 memory::dims dims_of(const MapShape& s) { return {1, s.channels, s.rows, s.columns}; }
 
 /// Pixel by pixel, the channels of all inputs.

@@ -21,10 +21,10 @@ struct ElementType {
   std::size_t bytes;  // of one number in raw_data
   int list;           // field that holds them otherwise
 };
-constexpr std::uint64_t kFloat = 1;
+constexpr std::uint64_t kOnnxFloat = 1;
 constexpr std::uint64_t kInt32 = 6;
 constexpr std::uint64_t kInt64 = 7;
-constexpr std::array<ElementType, 13> kElementTypes = {{{kFloat, 4, 4},
+constexpr std::array<ElementType, 13> kElementTypes = {{{kOnnxFloat, 4, 4},
                                                         {2, 1, 5},  // uint8
                                                         {3, 1, 5},  // int8
                                                         {4, 2, 5},  // uint16
@@ -141,7 +141,7 @@ Result<NamedTensor> read_tensor(std::string_view message) {
   }
   if (auto whole = check_content(read, *type); !whole) return whole.error();
   OnnxTensor& tensor = read.out.tensor;
-  if (read.type == kFloat) append_raw<float>(read.raw, tensor.floats);
+  if (read.type == kOnnxFloat) append_raw<float>(read.raw, tensor.floats);
   if (read.type == kInt32) {
     tensor.integers = std::move(read.int32s);
     append_raw<std::int32_t>(read.raw, tensor.integers);

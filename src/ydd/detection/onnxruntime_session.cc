@@ -52,7 +52,7 @@ enum Entry : std::size_t {
 // NOLINTEND(readability-identifier-naming)
 
 constexpr int kFatalMessagesOnly = 4;
-constexpr int kFloat = 1;
+constexpr int kFloatTensor = 1;
 constexpr int kArenaAllocator = 1;
 constexpr int kDefaultMemory = 0;
 
@@ -182,7 +182,7 @@ class OnnxRuntimeSession : public InferenceSession {
     auto* const data = static_cast<void*>(const_cast<float*>(input.values.data()));
     if (auto r =
             library_.call(kCreateTensorWithData, memory_.get(), data, input.values.size_bytes(),
-                          dims.data(), dims.size(), kFloat, value.place());
+                          dims.data(), dims.size(), kFloatTensor, value.place());
         !r) {
       return r.error();
     }
@@ -219,7 +219,7 @@ class OnnxRuntimeSession : public InferenceSession {
     std::size_t count = 0;
     if (auto r = library_.call(kGetTensorTypeAndShape, output, shape.place()); !r) return r.error();
     if (auto r = library_.call(kGetTensorElementType, shape.get(), &type); !r) return r.error();
-    if (type != kFloat) return Error{"gives something else than 32-bit floats"};
+    if (type != kFloatTensor) return Error{"gives something else than 32-bit floats"};
     if (auto r = library_.call(kGetDimensionsCount, shape.get(), &count); !r) return r.error();
     std::vector<std::int64_t> dims(count);
     if (auto r = library_.call(kGetDimensions, shape.get(), dims.data(), count); !r) {

@@ -6,14 +6,14 @@
 namespace ydd {
 namespace {
 
-const BridgingOptions kOptions;
+const BridgingOptions kBridging;
 
 MovingRegion body_at(float x) {
   return {0, Rule::body_depth, {x, 100, x + 100, 400}, DepthRange{1.0F, 2.0F}};
 }
 
 Bridging step(const Bridging& before, const std::vector<MovingRegion>& bodies,
-              const BridgingOptions& options = kOptions) {
+              const BridgingOptions& options = kBridging) {
   return bridge(before.tracks, bodies, 640, 480, options);
 }
 

@@ -8,28 +8,28 @@
 namespace ydd {
 namespace {
 
-const CompensationOptions kOptions;
+const CompensationOptions kCompensation;
 
 TEST(NextBudget, OfAStaticFrameIsN) {
-  EXPECT_EQ(next_budget(1000, 0, false, kOptions), 1000);
-  EXPECT_EQ(next_budget(1000, 700, false, kOptions), 1000);
-  EXPECT_EQ(next_budget(1000, 0, true, kOptions), 1000);
-  EXPECT_EQ(next_budget(0, 0, true, kOptions), 1000);
+  EXPECT_EQ(next_budget(1000, 0, false, kCompensation), 1000);
+  EXPECT_EQ(next_budget(1000, 700, false, kCompensation), 1000);
+  EXPECT_EQ(next_budget(1000, 0, true, kCompensation), 1000);
+  EXPECT_EQ(next_budget(0, 0, true, kCompensation), 1000);
 }
 
 TEST(NextBudget, MakesUpForWhatWasRejected) {
-  EXPECT_EQ(next_budget(1000, 200, true, kOptions), 1250);
-  EXPECT_EQ(next_budget(2000, 1000, true, kOptions), 2000);  // eta = 0.5: no boost yet
+  EXPECT_EQ(next_budget(1000, 200, true, kCompensation), 1250);
+  EXPECT_EQ(next_budget(2000, 1000, true, kCompensation), 2000);  // eta = 0.5: no boost yet
 }
 
 TEST(NextBudget, BoostsAboveHalf) {
-  EXPECT_EQ(next_budget(1000, 600, true, kOptions), 3000);
-  EXPECT_EQ(next_budget(1000, 501, true, kOptions), 2405);
+  EXPECT_EQ(next_budget(1000, 600, true, kCompensation), 3000);
+  EXPECT_EQ(next_budget(1000, 501, true, kCompensation), 2405);
 }
 
 TEST(NextBudget, NeverExceedsItsLimit) {
-  EXPECT_EQ(next_budget(1000, 900, true, kOptions), 3500);
-  EXPECT_EQ(next_budget(1000, 1000, true, kOptions), 3500);
+  EXPECT_EQ(next_budget(1000, 900, true, kCompensation), 3500);
+  EXPECT_EQ(next_budget(1000, 1000, true, kCompensation), 3500);
 }
 
 TEST(NextBudget, ALimitBelowNTakesNothingAway) {
@@ -39,8 +39,8 @@ TEST(NextBudget, ALimitBelowNTakesNothingAway) {
 }
 
 TEST(NextBudget, RejectedPointsAreAmongTheExtracted) {
-  EXPECT_THROW(next_budget(10, 11, true, kOptions), std::logic_error);
-  EXPECT_THROW(next_budget(10, -1, true, kOptions), std::logic_error);
+  EXPECT_THROW(next_budget(10, 11, true, kCompensation), std::logic_error);
+  EXPECT_THROW(next_budget(10, -1, true, kCompensation), std::logic_error);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace {
 
 using simd::U8;
 
-constexpr int kLanes = simd::kLanes8;
+using simd::kLanes8;
 
 // (1 2 1) / 4
 U8 smooth(U8 a, U8 b, U8 c) { return simd::average(simd::average(a, c), b); }
@@ -26,10 +26,10 @@ U8 smooth_seven(At at) {
 GreyView OrbBlur::apply(const GreyView& view) {
   const std::ptrdiff_t stride = (view.width + 63) / 64 * 64 | 64;
   pixels_.resize(static_cast<std::size_t>(stride * view.height));
-  row_.resize(static_cast<std::size_t>(view.width + 2 * kLanes));
+  row_.resize(static_cast<std::size_t>(view.width + 2 * kLanes8));
   // The last vector overlaps the one before rather than running over the end of the row.
   const auto each_vector = [](int end, auto&& body) {
-    for (int x = 0; x < end; x += kLanes) body(x < end - kLanes ? x : end - kLanes);
+    for (int x = 0; x < end; x += kLanes8) body(x < end - kLanes8 ? x : end - kLanes8);
   };
   for (int y = kRadius_px; y < view.height - kRadius_px; ++y) {
     const std::uint8_t* in = view.row(y);

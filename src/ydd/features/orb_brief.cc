@@ -12,7 +12,6 @@ namespace ydd {
 namespace {
 
 constexpr int kTests = 256;
-constexpr int kRadius = kOrbPatchRadius_px;
 constexpr int kPatchStride = 32;
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
@@ -22,7 +21,8 @@ std::uint16_t turned_offset(int x, int y, double angle_rad) {
   const double s = std::sin(angle_rad);
   const auto turned_x = static_cast<int>(std::lround(c * x - s * y));
   const auto turned_y = static_cast<int>(std::lround(s * x + c * y));
-  return static_cast<std::uint16_t>((turned_y + kRadius) * kPatchStride + turned_x + kRadius);
+  return static_cast<std::uint16_t>((turned_y + kOrbPatchRadius_px) * kPatchStride + turned_x +
+                                    kOrbPatchRadius_px);
 }
 
 }  // namespace
@@ -42,9 +42,9 @@ SteeredBrief::SteeredBrief(std::span<const OrbTest, 256> pattern)
 
 Descriptor SteeredBrief::describe(const GreyView& smooth, int x, int y, float angle_rad) const {
   // A copy of the patch with a row length of its own makes the offsets independent of the image.
-  alignas(64) std::array<std::uint8_t, (2 * kRadius + 1) * kPatchStride> patch;
-  const std::uint8_t* row = smooth.row(y - kRadius) + x - kRadius;
-  for (int v = 0; v <= 2 * kRadius; ++v, row += smooth.stride) {
+  alignas(64) std::array<std::uint8_t, (2 * kOrbPatchRadius_px + 1) * kPatchStride> patch;
+  const std::uint8_t* row = smooth.row(y - kOrbPatchRadius_px) + x - kOrbPatchRadius_px;
+  for (int v = 0; v <= 2 * kOrbPatchRadius_px; ++v, row += smooth.stride) {
     simd::store(&patch[v * kPatchStride], simd::load(row));
   }
   constexpr auto kAnglesPerRad = static_cast<float>(kAngles / kTurn_rad);

@@ -11,7 +11,7 @@ namespace {
 
 using simd::U8;
 
-constexpr int kLanes = simd::kLanes8;
+using simd::kLanes8;
 constexpr int kCell_px = 35;
 
 /// Seven neighbouring rows; the circle's centre lies on row 3.
@@ -84,7 +84,7 @@ U8 score_of(const Rows& rows, int x, U8 centre, U8 threshold_plus_one) {
 void score_row(const Rows& rows, int begin, int end, int threshold, std::uint8_t* scores) {
   const U8 t = simd::splat8(threshold);
   const U8 t_plus_one = simd::splat8(threshold + 1);
-  for (int x = begin; x < end; x += kLanes) {
+  for (int x = begin; x < end; x += kLanes8) {
     const U8 centre = simd::load(rows[3] + x);
     const bool may = may_hold_corners(rows, x, centre, t);
     simd::store(scores + x, may ? score_of(rows, x, centre, t_plus_one) : simd::splat8(0));
@@ -124,7 +124,7 @@ std::size_t CornerDetector::find_all(const GreyView& view, int border_px, int lo
   const int x_end = view.width - border_px;
   const int y_begin = border_px;
   const int y_end = view.height - border_px;
-  const auto row_size = static_cast<std::size_t>(view.width + 2 * kLanes);
+  const auto row_size = static_cast<std::size_t>(view.width + 2 * kLanes8);
   scores_.assign(3 * row_size, 0);
   std::size_t count = 0;
   for (int y = y_begin - 1; y <= y_end; ++y) {
@@ -136,9 +136,9 @@ std::size_t CornerDetector::find_all(const GreyView& view, int border_px, int lo
     const std::uint8_t* row = &scores_[((y - 1) % 3) * row_size];
     const std::uint8_t* below = &scores_[(y % 3) * row_size];
     if (corners_.size() < count + view.width) corners_.resize(2 * count + 4 * view.width);
-    for (int x = x_begin; x < x_end; x += kLanes) {
+    for (int x = x_begin; x < x_end; x += kLanes8) {
       std::uint32_t bits = maxima(above, row, below, x);
-      if (x_end - x < kLanes) bits &= (1U << (x_end - x)) - 1;
+      if (x_end - x < kLanes8) bits &= (1U << (x_end - x)) - 1;
       for (; bits != 0; bits &= bits - 1) {
         const int at = x + std::countr_zero(bits);
         corners_[count++] = {static_cast<std::uint16_t>(at), static_cast<std::uint16_t>(y - 1),

@@ -12,22 +12,20 @@ namespace {
 
 using simd::I16;
 
-constexpr int kRadius = kOrbPatchRadius_px;
-
 struct Disc {
   /// All ones where (u, v) is within the disc; row v + radius, column u + radius.
-  std::array<std::array<std::uint8_t, 32>, 2 * kRadius + 1> mask{};
+  std::array<std::array<std::uint8_t, 32>, 2 * kOrbPatchRadius_px + 1> mask{};
   std::array<std::int16_t, 32> u{};
 };
 
 // The rim is at radius + 1/2: the disc of pixels that a circle of 15.5 px holds.
 constexpr Disc make_disc() {
   Disc disc;
-  for (int u = -kRadius; u <= kRadius; ++u) {
-    disc.u[u + kRadius] = static_cast<std::int16_t>(u);
-    for (int v = -kRadius; v <= kRadius; ++v) {
-      const bool inside = u * u + v * v <= kRadius * (kRadius + 1);
-      disc.mask[v + kRadius][u + kRadius] = inside ? 255 : 0;
+  for (int u = -kOrbPatchRadius_px; u <= kOrbPatchRadius_px; ++u) {
+    disc.u[u + kOrbPatchRadius_px] = static_cast<std::int16_t>(u);
+    for (int v = -kOrbPatchRadius_px; v <= kOrbPatchRadius_px; ++v) {
+      const bool inside = u * u + v * v <= kOrbPatchRadius_px * (kOrbPatchRadius_px + 1);
+      disc.mask[v + kOrbPatchRadius_px][u + kOrbPatchRadius_px] = inside ? 255 : 0;
     }
   }
   return disc;
@@ -41,10 +39,10 @@ float intensity_centroid_angle_rad(const GreyView& view, int x, int y) {
   // 31 * 255 = 7905, and 255 * (1 + ... + 15) = 30600 where all below is white, all above black.
   I16 sum_low = simd::splat16(0), sum_high = sum_low;
   I16 v_sum_low = sum_low, v_sum_high = sum_low;
-  const std::uint8_t* row = view.row(y - kRadius) + x - kRadius;
-  for (int v = -kRadius; v <= kRadius; ++v, row += view.stride) {
+  const std::uint8_t* row = view.row(y - kOrbPatchRadius_px) + x - kOrbPatchRadius_px;
+  for (int v = -kOrbPatchRadius_px; v <= kOrbPatchRadius_px; ++v, row += view.stride) {
     const simd::U8 pixels =
-        simd::bit_and(simd::load(row), simd::load(kDisc.mask[v + kRadius].data()));
+        simd::bit_and(simd::load(row), simd::load(kDisc.mask[v + kOrbPatchRadius_px].data()));
     const I16 low = simd::low_half(pixels);
     const I16 high = simd::high_half(pixels);
     const I16 weight = simd::splat16(v);

@@ -10,7 +10,7 @@
 namespace ydd {
 namespace {
 
-constexpr int kLanes = simd::kLanes8;
+using simd::kLanes8;
 constexpr int kWeightOne = 128;
 
 int round_up(int n, int multiple) { return (n + multiple - 1) / multiple * multiple; }
@@ -45,9 +45,9 @@ void OrbPyramid::allocate(int width_px, int height_px) {
     if (l > 0) {
       const GreyView& from = views_.back();
       // Odd multiple of a cache line, so that the rows of a patch do not share a cache set.
-      view.stride = round_up(width + kLanes, 64) | 64;
-      level.pixels.resize(static_cast<std::size_t>(view.stride * height) + kLanes);
-      level.columns.resize(static_cast<std::size_t>(round_up(width, kLanes) / 8));
+      view.stride = round_up(width + kLanes8, 64) | 64;
+      level.pixels.resize(static_cast<std::size_t>(view.stride * height) + kLanes8);
+      level.columns.resize(static_cast<std::size_t>(round_up(width, kLanes8) / 8));
       for (int x = 0; x < static_cast<int>(level.columns.size()) * 8; ++x) {
         Eight& eight = level.columns[x / 8];
         const Position at = source_of(x, step_, from.width);
@@ -65,7 +65,7 @@ void OrbPyramid::allocate(int width_px, int height_px) {
     width = static_cast<int>(width / step_);
     height = static_cast<int>(height / step_);
   }
-  for (auto& row : rows_) row.assign(static_cast<std::size_t>(round_up(width_px, kLanes)), 0);
+  for (auto& row : rows_) row.assign(static_cast<std::size_t>(round_up(width_px, kLanes8)), 0);
 }
 
 std::span<const GreyView> OrbPyramid::build(const GreyImage& grey) {
@@ -109,7 +109,7 @@ void OrbPyramid::shrink(const GreyView& from, const Level& level, const GreyView
       return simd::shift_right<7>(simd::add(simd::add(a, change), half));
     };
     std::uint8_t* out = to_pixels + y * to.stride;
-    for (int x = 0; x < padded_width; x += kLanes) {
+    for (int x = 0; x < padded_width; x += kLanes8) {
       simd::store(out + x, simd::narrow(blend(x), blend(x + 16)));
     }
   }

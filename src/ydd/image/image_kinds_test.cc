@@ -152,7 +152,7 @@ TEST_F(ImageKindsTest, KindsThatPngDoesNotHave) {
 enum class JpegScans { one, one_per_channel };
 
 /// A flat grey picture, in three channels.
-std::string jpeg(JpegScans scans = JpegScans::one) {
+std::string jpeg_in(JpegScans scans = JpegScans::one) {
   constexpr int kSide = 64;
   jpeg_compress_struct info{};
   jpeg_error_mgr errors{};
@@ -202,7 +202,7 @@ long peak_mb() {  // NOLINT(google-runtime-int): getrusage's type
 
 TEST_F(ImageKindsTest, ASizeThatTheFileCannotHoldCostsNoMemory) {
   const auto before_mb = peak_mb();
-  const std::string small = jpeg();
+  const std::string small = jpeg_in();
   EXPECT_EQ(colour_error(small), "no error");
   EXPECT_THAT(colour_error(jpeg_of_size(small, 16384, 16384)),
               HasSubstr("image: has a broken header (size 16384x16384; at most 16384 pixels a side "
@@ -234,7 +234,7 @@ TEST_F(ImageKindsTest, BlackPicturesAreNoLies) {
 }
 
 TEST_F(ImageKindsTest, JpegWithScansWithoutEndIsDamaged) {
-  const std::string bytes = jpeg(JpegScans::one_per_channel);
+  const std::string bytes = jpeg_in(JpegScans::one_per_channel);
   EXPECT_EQ(colour_error(bytes), "no error");
   const std::size_t first = bytes.find("\xff\xda");
   const std::string scan = bytes.substr(first, bytes.find("\xff\xda", first + 2) - first);
@@ -260,7 +260,7 @@ TEST_F(ImageKindsTest, WhatIsNoDepthImageIsNamed) {
   EXPECT_THAT(depth_error(png(16, 4)), is("a grey PNG of 16 bits a channel, with alpha"));
   EXPECT_THAT(depth_error(png(8, 6, 1)),
               is("an interlaced colour PNG of 8 bits a channel, with alpha"));
-  EXPECT_THAT(depth_error(jpeg()), is("a colour JPEG of 8 bits a channel"));
+  EXPECT_THAT(depth_error(jpeg_in()), is("a colour JPEG of 8 bits a channel"));
   EXPECT_THAT(depth_error("\x76\x2f\x31\x01..."), is("an OpenEXR image"));
   EXPECT_THAT(depth_error("Pf\n640 480\n-1\n"), is("a PFM image of floats"));
   EXPECT_THAT(depth_error(std::string("II*\0", 4)), is("a TIFF image"));
@@ -274,7 +274,7 @@ TEST_F(ImageKindsTest, WhatIsNoColourImageIsNamed) {
               EndsWith("/image: is a WebP image, neither PNG nor JPEG"));
   EXPECT_THAT(colour_error("version https://git-lfs.github.com/spec/v1\n"),
               AllOf(HasSubstr("/image: is a Git LFS pointer"), Not(HasSubstr("\n"))));
-  std::string twelve_bits = jpeg();
+  std::string twelve_bits = jpeg_in();
   twelve_bits[twelve_bits.find("\xff\xc0") + 4] = 12;
   EXPECT_THAT(
       colour_error(twelve_bits),

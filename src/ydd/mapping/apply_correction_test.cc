@@ -12,10 +12,10 @@ namespace {
 
 using namespace testing_world;  // NOLINT(google-build-using-namespace)
 
-struct Scene {
+struct CorrectedScene {
   PointWorld world = make_world(400, 5);
   BuiltMap built;
-  explicit Scene(int views) : built(make(world, views)) {}
+  explicit CorrectedScene(int views) : built(make(world, views)) {}
   static BuiltMap make(const PointWorld& world, int views) {
     std::vector<View> looks;
     for (int i = 0; i < views; ++i) looks.push_back(look(world, hand_held(0.2 * i)));
@@ -26,7 +26,7 @@ struct Scene {
 SE3 shift(double x_m) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x_m, 0, 0)}; }
 
 TEST(ApplyCorrection, PointsFollowTheirFirstKeyframeAndNewcomersTheirParent) {
-  Scene scene(4);
+  CorrectedScene scene(4);
   Atlas& atlas = scene.built.atlas;
   std::vector<SE3> before;
   for (const KeyFrameId id : scene.built.keyframes) before.push_back(atlas.at(id).T_world_camera);
@@ -53,7 +53,7 @@ TEST(ApplyCorrection, PointsFollowTheirFirstKeyframeAndNewcomersTheirParent) {
 }
 
 TEST(ApplyCorrection, ANewcomerMayHaveAYoungerParent) {
-  Scene scene(5);
+  CorrectedScene scene(5);
   Atlas& atlas = scene.built.atlas;
   const auto& ids = scene.built.keyframes;
   // 3 and 4 came after the snapshot; the parent of 3 was culled since and the younger 4 took it in.
@@ -69,7 +69,7 @@ TEST(ApplyCorrection, ANewcomerMayHaveAYoungerParent) {
 }
 
 TEST(ApplyCorrection, WhereACulledKeyframeStoodMovesAlong) {
-  Scene scene(5);
+  CorrectedScene scene(5);
   Atlas& atlas = scene.built.atlas;
   Correction correction;
   for (const KeyFrameId id : scene.built.keyframes) {
@@ -86,7 +86,7 @@ TEST(ApplyCorrection, WhereACulledKeyframeStoodMovesAlong) {
 }
 
 TEST(ApplyCorrection, StaleIdsAreIgnored) {
-  Scene scene(3);
+  CorrectedScene scene(3);
   Atlas& atlas = scene.built.atlas;
   Correction correction;
   correction.T_world_keyframe[KeyFrameId{999, 7}] = shift(1.0);
@@ -98,7 +98,7 @@ TEST(ApplyCorrection, StaleIdsAreIgnored) {
 }
 
 TEST(Sew, FusesDuplicatesAndJoinsMaps) {
-  Scene scene(3);
+  CorrectedScene scene(3);
   Atlas& atlas = scene.built.atlas;
   // The same place once more, as a map of its own with points of its own.
   const MapId second = atlas.new_map();
@@ -120,7 +120,7 @@ TEST(Sew, FusesDuplicatesAndJoinsMaps) {
 }
 
 TEST(Sew, LeavesTheMapAloneWhenASideIsGone) {
-  Scene scene(4);
+  CorrectedScene scene(4);
   Atlas& atlas = scene.built.atlas;
   const Correction::Seam seam{scene.built.keyframes[3], scene.built.keyframes[1]};
   atlas.cull_keyframe(scene.built.keyframes[1]);

@@ -23,12 +23,13 @@ using testing_world::position_error_m;
 using testing_world::View;
 using testing_world::ViewOptions;
 
-struct Scene {
+struct DisturbedScene {
   PointWorld world = make_world(500, 41);
   std::vector<View> views;
   BuiltMap built;
 
-  explicit Scene(int keyframes) : views(look_around(keyframes)), built(build_map(world, views)) {}
+  explicit DisturbedScene(int keyframes)
+      : views(look_around(keyframes)), built(build_map(world, views)) {}
 
   std::vector<View> look_around(int keyframes) const {
     std::vector<View> out;
@@ -81,7 +82,7 @@ struct Scene {
 };
 
 TEST(GatherLocalBundle, NamesEveryPoseAndPointAndAllTheirSightings) {
-  Scene scene(6);
+  DisturbedScene scene(6);
   const Atlas& atlas = scene.built.atlas;
   const GatheredBundle g = gather_local_bundle(atlas, scene.built.keyframes[5], {});
   ASSERT_EQ(g.keyframes.size(), g.problem.poses.size());
@@ -107,7 +108,7 @@ TEST(GatherLocalBundle, NamesEveryPoseAndPointAndAllTheirSightings) {
 }
 
 TEST(GatherLocalBundle, IsLimitedAndTheRestHoldsStill) {
-  Scene scene(8);
+  DisturbedScene scene(8);
   LocalBundleOptions options;
   options.max_free_keyframes = 3;
   options.max_fixed_keyframes = 2;
@@ -141,7 +142,7 @@ TEST(GatherLocalBundle, SomeoneAlwaysHoldsTheFrameOfReference) {
 }
 
 TEST(LocalBundle, BringsADisturbedMapBack) {
-  Scene scene(6);
+  DisturbedScene scene(6);
   scene.disturb();
   EXPECT_GT(scene.pose_error_m(), 0.02);
   const double points_before_m = scene.point_error_m();
@@ -159,7 +160,7 @@ TEST(LocalBundle, BringsADisturbedMapBack) {
 }
 
 TEST(LocalBundle, UnlinksOutliers) {
-  Scene scene(6);
+  DisturbedScene scene(6);
   Atlas& atlas = scene.built.atlas;
   // Two points of keyframe 3 change places: both sightings are wrong.
   const KeyFrameId id = scene.built.keyframes[3];

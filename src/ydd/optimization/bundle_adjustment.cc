@@ -100,13 +100,6 @@ class Minimiser {
   bundle::NormalEquations at_;
 };
 
-State state_of(const BundleProblem& problem) {
-  State state;
-  for (const auto& pose : problem.poses) state.T_camera_world.push_back(pose.T_camera_world);
-  state.points = problem.points;
-  return state;
-}
-
 Flags usable_entries(const Layout& layout) {
   Flags usable;
   for (const Layout::Entry& e : layout.entries) usable.push_back(e.usable ? 1 : 0);
@@ -139,7 +132,7 @@ BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
   const Loss robust{options.chi2_mono, options.chi2_stereo, true};
   const Loss plain{options.chi2_mono, options.chi2_stereo, false};
   Minimiser minimiser(camera, layout, options.relative_decrease, stop);
-  State state = state_of(problem);
+  State state = bundle::state_of(problem);
 
   BundleResult result;
   result.initial_cost = bundle::cost_of(k, layout, usable, state, robust);

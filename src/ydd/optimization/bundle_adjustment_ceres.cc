@@ -57,10 +57,10 @@ class ReprojectionCost : public ceres::SizedCostFunction<kRows, PoseBlock::kSize
 };
 
 /// Parameters, problem and ordering of one phase. Ceres keeps pointers into `poses` and `points`.
-class Phase {
+class CeresPhase {
  public:
-  Phase(const Intrinsics& k, const Layout& layout, const State& state, const Flags& active,
-        const Loss& loss)
+  CeresPhase(const Intrinsics& k, const Layout& layout, const State& state, const Flags& active,
+             const Loss& loss)
       : layout_(layout),
         points_(state.points),
         mono_(std::sqrt(loss.chi2_mono)),
@@ -148,13 +148,6 @@ class Phase {
   ceres::Problem problem_;
 };
 
-State state_of(const BundleProblem& problem) {
-  State state;
-  for (const auto& pose : problem.poses) state.T_camera_world.push_back(pose.T_camera_world);
-  state.points = problem.points;
-  return state;
-}
-
 }  // namespace
 
 BundleResult solve_bundle_ceres(const Camera& camera, const BundleProblem& problem,
@@ -168,12 +161,12 @@ BundleResult solve_bundle_ceres(const Camera& camera, const BundleProblem& probl
   for (const Layout::Entry& e : layout.entries) usable.push_back(e.usable ? 1 : 0);
 
   BundleResult result;
-  State state = state_of(problem);
+  State state = bundle::state_of(problem);
   result.initial_cost = bundle::cost_of(k, layout, usable, state, robust);
-  Phase first(k, layout, state, bundle::judge(k, layout, state, robust, kAnyDistance), robust);
+  CeresPhase first(k, layout, state, bundle::judge(k, layout, state, robust, kAnyDistance), robust);
   result.iterations += first.solve(options.robust_iterations, options.relative_decrease, stop);
   state = first.state();
-  Phase last(k, layout, state, bundle::judge(k, layout, state, robust), plain);
+  CeresPhase last(k, layout, state, bundle::judge(k, layout, state, robust), plain);
   result.iterations += last.solve(options.final_iterations, options.relative_decrease, stop);
   state = last.state();
 

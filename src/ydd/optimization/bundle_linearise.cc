@@ -157,6 +157,13 @@ Layout::Entry entry_of(const BundleProblem& problem, int source, int column) {
 
 }  // namespace
 
+State state_of(const BundleProblem& problem) {
+  State state;
+  for (const auto& pose : problem.poses) state.T_camera_world.push_back(pose.T_camera_world);
+  state.points = problem.points;
+  return state;
+}
+
 Layout make_layout(const BundleProblem& problem) {
   check_indices(problem);
   const std::vector<int> columns = columns_of(problem);

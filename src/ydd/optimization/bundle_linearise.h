@@ -41,6 +41,9 @@ struct State {
   std::vector<Eigen::Vector3d> points;  ///< world, metres
 };
 
+/// Where the improvement starts.
+State state_of(const BundleProblem& problem);
+
 /// How a squared residual becomes cost.
 struct Loss {
   double chi2_mono = 5.991;

@@ -22,14 +22,14 @@ Pairs path_with(int blocks, int band, const Pairs& extra) {
   return pairs;
 }
 
-struct Case {
+struct FactorCase {
   const char* name;
   int blocks;
   int band;
   Pairs extra;
 };
 
-class TileCholeskyOf : public testing::TestWithParam<Case> {};
+class TileCholeskyOf : public testing::TestWithParam<FactorCase> {};
 
 TEST_P(TileCholeskyOf, SolvesAsADenseFactorisationDoes) {
   const auto& [name, blocks, band, extra] = GetParam();
@@ -61,12 +61,13 @@ TEST_P(TileCholeskyOf, SolvesAsADenseFactorisationDoes) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(TileCholesky, TileCholeskyOf,
-                         testing::Values(Case{"One", 1, 0, {}}, Case{"OneTile", 8, 7, {}},
-                                         Case{"OneMore", 9, 8, {}}, Case{"Band", 45, 5, {}},
-                                         Case{"Loop", 45, 3, {{44, 0}, {43, 2}, {30, 9}}},
-                                         Case{"Full", 25, 25, {}}, Case{"Separate", 20, 0, {}}),
-                         [](const auto& c) { return c.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    TileCholesky, TileCholeskyOf,
+    testing::Values(FactorCase{"One", 1, 0, {}}, FactorCase{"OneTile", 8, 7, {}},
+                    FactorCase{"OneMore", 9, 8, {}}, FactorCase{"Band", 45, 5, {}},
+                    FactorCase{"Loop", 45, 3, {{44, 0}, {43, 2}, {30, 9}}},
+                    FactorCase{"Full", 25, 25, {}}, FactorCase{"Separate", 20, 0, {}}),
+    [](const auto& c) { return c.param.name; });
 
 TEST(TileCholesky, SaysWhenTheMatrixIsNotPositiveDefinite) {
   TileCholesky tiles{TileCholesky::Pattern(10)};

@@ -5,21 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "ydd/simulation/motions.h"
 #include "ydd/simulation/pictures.h"
 #include "ydd/simulation/surfaces.h"
 
 namespace ydd::sim {
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
-
-SE3 shift(double x, double y, double z) {
-  return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, y, z)};
-}
-
-SE3 turn(const Eigen::Vector3d& axis, double angle_rad) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, axis)), Eigen::Vector3d::Zero()};
-}
 
 /// Picture of `width_m` x `height_m` upright at y, facing -y, with its lower left corner at x, z.
 Mesh upright(float x, float y, float z, float width_m, float height_m) {
@@ -144,7 +135,7 @@ Parts make_mug(SceneBuilder& builder, int object) {
   Parts parts;
   parts.push_back(builder.covered(wall, print, object));
   for (int i = 0; i < 6; ++i) {  // the handle, an arc of short rods
-    const float angle = kPi * (-0.5F + (static_cast<float>(i) + 0.5F) / 6.0F);
+    const float angle = std::numbers::pi_v<float> * (-0.5F + (static_cast<float>(i) + 0.5F) / 6.0F);
     const Mesh rod = make_box({0, 0, 0}, {0.010F, 0.012F, 0.022F});
     const SE3 T = shift(kRadius + 0.03 * std::cos(angle), 0, 0.05 + 0.033 * std::sin(angle)) *
                   turn(Eigen::Vector3d::UnitY(), -static_cast<double>(angle));

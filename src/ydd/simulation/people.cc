@@ -10,6 +10,7 @@
 
 #include "ydd/simulation/closed_curve.h"
 #include "ydd/simulation/furniture.h"
+#include "ydd/simulation/motions.h"
 #include "ydd/simulation/person.h"
 #include "ydd/simulation/room.h"
 
@@ -25,12 +26,6 @@ SE3 on_floor(const Vector2d& p, double heading_rad) {
   return {Eigen::Quaterniond(
               Eigen::AngleAxisd(heading_rad - 0.5 * std::numbers::pi, Vector3d::UnitZ())),
           Vector3d(p.x(), p.y(), 0)};
-}
-SE3 shift(double x, double y, double z) {
-  return {Eigen::Quaterniond::Identity(), Vector3d(x, y, z)};
-}
-SE3 yaw(double angle_rad) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())), Vector3d::Zero()};
 }
 
 /// Way of a walker: a closed curve, shifted, walked at a speed that swells and fades.

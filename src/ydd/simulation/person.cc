@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "ydd/simulation/motions.h"
 #include "ydd/simulation/surfaces.h"
 
 namespace ydd::sim {
@@ -14,18 +15,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-SE3 shift(double x, double y, double z) {
-  return {Eigen::Quaterniond::Identity(), Vector3d(x, y, z)};
-}
-SE3 pitch(double angle_rad) {  // swings what hangs down forward
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitX())), Vector3d::Zero()};
-}
-SE3 roll(double angle_rad) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitY())), Vector3d::Zero()};
-}
-SE3 yaw(double angle_rad) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())), Vector3d::Zero()};
-}
+// Swings what hangs down forward.
+SE3 pitch(double angle_rad) { return turn(Vector3d::UnitX(), angle_rad); }
+SE3 roll(double angle_rad) { return turn(Vector3d::UnitY(), angle_rad); }
 double sign_of(int side) { return side == 0 ? -1.0 : 1.0; }
 
 SE3 hip_to_thigh(const PersonShape& s, const LegPose& leg, int side) {

@@ -23,9 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 using testing_world::Wall;
 
-constexpr int kFrames = 60;
+constexpr int kLastingFrames = 60;
 
-SystemOptions options_for(bool deterministic) {
+SystemOptions lasting_options(bool deterministic) {
   SystemOptions options;
   options.deterministic = deterministic;
   options.dynamics.variant = "off";
@@ -53,8 +53,8 @@ class LastingMap : public testing::TestWithParam<bool> {
     return (wall_.T_world_camera(frame).inverse() * pose.T_world_camera).translation().norm();
   }
 
-  Wall wall_{kFrames};
-  SystemOptions options_ = options_for(GetParam());
+  Wall wall_{kLastingFrames};
+  SystemOptions options_ = lasting_options(GetParam());
   TemporaryFolder temporary_;
   fs::path folder_ = temporary_.path();
 };
@@ -73,14 +73,14 @@ TEST_P(LastingMap, IsSavedAndGoneOnWith) {
   }
   const auto system = start(load_map(folder_ / "a.map").value());
   const std::size_t keyframes = system->atlas()->keyframes().size();
-  EXPECT_EQ(feed(*system, 29, kFrames), kFrames - 29);
+  EXPECT_EQ(feed(*system, 29, kLastingFrames), kLastingFrames - 29);
   EXPECT_TRUE(system->finish());
   EXPECT_GT(system->atlas()->keyframes().size(), keyframes);
   EXPECT_EQ(system->atlas()->maps(), 1U);
   EXPECT_TRUE(system->atlas()->check_consistency().empty());
   const StampedPoses trajectory = system->trajectory();
-  ASSERT_EQ(trajectory.size(), static_cast<std::size_t>(kFrames - 29));
-  EXPECT_LT(error_m(trajectory.back(), kFrames - 1), 0.03);  // in the world of the first run
+  ASSERT_EQ(trajectory.size(), static_cast<std::size_t>(kLastingFrames - 29));
+  EXPECT_LT(error_m(trajectory.back(), kLastingFrames - 1), 0.03);  // in the world of the first run
 }
 
 TEST_P(LastingMap, LocalizationOnlyChangesNothingUntilItIsSwitchedOff) {
@@ -94,7 +94,7 @@ TEST_P(LastingMap, LocalizationOnlyChangesNothingUntilItIsSwitchedOff) {
   EXPECT_EQ(feed(*system, 5, 35), 30);
   EXPECT_EQ(dump_map(*system->atlas()), before);
   system->set_localization_only(false);
-  feed(*system, 35, kFrames);
+  feed(*system, 35, kLastingFrames);
   EXPECT_TRUE(system->finish());
   EXPECT_NE(dump_map(*system->atlas()), before);
 }
@@ -105,7 +105,7 @@ TEST_P(LastingMap, IsSavedWhileTheCameraMoves) {
   const fs::path file = folder_ / "a.map";
   ASSERT_TRUE(system->autosave_to(file).ok());
   int seen = 0;
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kLastingFrames; ++i) {
     feed(*system, i, i + 1);
     if (!fs::exists(file)) continue;
     const Result<Atlas> held = load_map(file);
@@ -147,7 +147,7 @@ TEST_P(LastingMap, TwoOfOnePlaceAreWelded) {
     return load_map(folder_ / "x.map").value();
   };
   const Atlas a = run(0, 45);
-  const Atlas b = run(20, kFrames);
+  const Atlas b = run(20, kLastingFrames);
   LoopOptions loop;
   loop.min_score_ratio = 0.5;
   const Result<MergedMaps> merged = merge_maps(a, b, MapperOptions(), loop);
@@ -170,7 +170,7 @@ TEST_P(LastingMap, TwoOfDifferentPlacesStayApart) {
     return load_map(folder_ / "x.map").value();
   };
   const Atlas a = run(wall_);
-  const Atlas b = run(Wall(kFrames, 2, 99));
+  const Atlas b = run(Wall(kLastingFrames, 2, 99));
   const Result<MergedMaps> merged = merge_maps(a, b, MapperOptions(), LoopOptions());
   ASSERT_TRUE(merged.ok());
   EXPECT_TRUE(merged->welds.empty());

@@ -13,13 +13,13 @@ namespace {
 using testing_world::Wall;
 
 /// A frame of the wall, two metres away, with a person one metre away on the left half.
-struct Scene {
+struct CloudScene {
   Wall wall{10};
   RgbdFrame frame = wall.frame(0);
   FrameReport report;
   std::vector<RejectedPoint> rejected;
 
-  Scene() {
+  CloudScene() {
     std::vector<float> depth_m(320U * 240U, 2.0F);
     for (std::size_t i = 0; i < depth_m.size(); ++i) {
       if (i % 320U < 160U) depth_m[i] = 1.0F;
@@ -45,7 +45,7 @@ long nearer_than(const Vertices& points, float depth_m) {
 }
 
 TEST(StaticSurface, TakesEveryFifthPixelWhereDepthIs) {
-  Scene scene;
+  CloudScene scene;
   const Vertices points = scene.surface();
   EXPECT_EQ(points.size(), 64U * 48U);
   EXPECT_EQ(nearer_than(points, 1.5F), 32 * 48);
@@ -58,7 +58,7 @@ TEST(StaticSurface, TakesEveryFifthPixelWhereDepthIs) {
 }
 
 TEST(StaticSurface, LeavesOutWhatMovesInItsDepthRangeOnly) {
-  Scene scene;
+  CloudScene scene;
   scene.judge(Rule::body_depth, DepthRange{0.8F, 1.3F});
   const Vertices points = scene.surface();
   EXPECT_EQ(nearer_than(points, 1.5F), 0);
@@ -66,19 +66,19 @@ TEST(StaticSurface, LeavesOutWhatMovesInItsDepthRangeOnly) {
 }
 
 TEST(StaticSurface, WithoutARangeTheWholeBoxGoes) {
-  Scene scene;
+  CloudScene scene;
   scene.judge(Rule::full_small_box, {});
   EXPECT_LT(scene.surface().size(), 24U * 48U);
 }
 
 TEST(StaticSurface, AnObjectThatStandsStillStays) {
-  Scene scene;
+  CloudScene scene;
   scene.judge(Rule::kept, {});
   EXPECT_EQ(scene.surface().size(), 64U * 48U);
 }
 
 TEST(StaticSurface, WhatLiesRoundARejectedPointGoes) {
-  Scene scene;
+  CloudScene scene;
   scene.rejected.push_back({{80, 100, 0, 10, 0}, 1.0F, Rule::bridged});
   const std::size_t left = scene.surface().size();
   EXPECT_LT(left, 64U * 48U - 20U);
@@ -86,7 +86,7 @@ TEST(StaticSurface, WhatLiesRoundARejectedPointGoes) {
 }
 
 TEST(StaticSurface, NoReadingAndFarAwayAreLeftOut) {
-  Scene scene;
+  CloudScene scene;
   scene.frame = scene.wall.dark_frame(0);
   EXPECT_TRUE(scene.surface().empty());
   scene.frame = scene.wall.frame(0);
