@@ -5,16 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "ydd/features/orb_kernels.h"
 #include "ydd/features/orb_pyramid.h"
 
 namespace ydd {
-
-/// A corner on one pyramid level, at a whole pixel of that level.
-struct Corner {
-  std::uint16_t x = 0;
-  std::uint16_t y = 0;
-  std::uint16_t score = 0;  ///< FAST-9 score, 1 to 255
-};
 
 /// FAST-9 corners: pixels whose 16-pixel circle of radius 3 holds nine neighbouring pixels that are
 /// all brighter, or all darker, than the centre by more than a threshold. Rosten and Drummond,

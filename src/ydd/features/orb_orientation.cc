@@ -5,56 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "ydd/features/simd.h"
+#include "ydd/features/orb_kernels.h"
 
 namespace ydd {
-namespace {
-
-using simd::I16;
-
-struct Disc {
-  /// All ones where (u, v) is within the disc; row v + radius, column u + radius.
-  std::array<std::array<std::uint8_t, 32>, 2 * kOrbPatchRadius_px + 1> mask{};
-  std::array<std::int16_t, 32> u{};
-};
-
-// The rim is at radius + 1/2: the disc of pixels that a circle of 15.5 px holds.
-constexpr Disc make_disc() {
-  Disc disc;
-  for (int u = -kOrbPatchRadius_px; u <= kOrbPatchRadius_px; ++u) {
-    disc.u[u + kOrbPatchRadius_px] = static_cast<std::int16_t>(u);
-    for (int v = -kOrbPatchRadius_px; v <= kOrbPatchRadius_px; ++v) {
-      const bool inside = u * u + v * v <= kOrbPatchRadius_px * (kOrbPatchRadius_px + 1);
-      disc.mask[v + kOrbPatchRadius_px][u + kOrbPatchRadius_px] = inside ? 255 : 0;
-    }
-  }
-  return disc;
-}
-constexpr Disc kDisc = make_disc();
-
-}  // namespace
-
 float intensity_centroid_angle_rad(const GreyView& view, int x, int y) {
-  // Sums of each column and of each column weighted with v. Neither leaves 16 bits:
-  // 31 * 255 = 7905, and 255 * (1 + ... + 15) = 30600 where all below is white, all above black.
-  I16 sum_low = simd::splat16(0), sum_high = sum_low;
-  I16 v_sum_low = sum_low, v_sum_high = sum_low;
-  const std::uint8_t* row = view.row(y - kOrbPatchRadius_px) + x - kOrbPatchRadius_px;
-  for (int v = -kOrbPatchRadius_px; v <= kOrbPatchRadius_px; ++v, row += view.stride) {
-    const simd::U8 pixels =
-        simd::bit_and(simd::load(row), simd::load(kDisc.mask[v + kOrbPatchRadius_px].data()));
-    const I16 low = simd::low_half(pixels);
-    const I16 high = simd::high_half(pixels);
-    const I16 weight = simd::splat16(v);
-    sum_low = simd::add(sum_low, low);
-    sum_high = simd::add(sum_high, high);
-    v_sum_low = simd::add(v_sum_low, simd::multiply(low, weight));
-    v_sum_high = simd::add(v_sum_high, simd::multiply(high, weight));
-  }
-  const I16 one = simd::splat16(1);
-  const int m10 = simd::dot(sum_low, simd::load(kDisc.u.data())) +
-                  simd::dot(sum_high, simd::load(kDisc.u.data() + 16));
-  const int m01 = simd::dot(v_sum_low, one) + simd::dot(v_sum_high, one);
+  const std::uint8_t* corner = view.row(y - kOrbPatchRadius_px) + x - kOrbPatchRadius_px;
+  const auto [m10, m01] = orb_kernels().moments(corner, view.stride);
   return fast_atan2_rad(static_cast<float>(m01), static_cast<float>(m10));
 }
 

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "ydd/features/orb_kernels.h"
 #include "ydd/features/orb_pyramid.h"
 
 namespace ydd {
-
-/// Radius of the disc around a corner that orientation and descriptor look at.
-inline constexpr int kOrbPatchRadius_px = 15;
 
 /// Orientation of the patch around pixel (x, y): the angle of the vector from the pixel to the
 /// intensity centroid of the disc, in [0, 2 pi), x axis towards y axis. The disc must lie within

@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 
-#include "ydd/features/simd.h"
+#include "ydd/features/orb_kernels.h"
 
 namespace ydd {
 namespace {
 
-using simd::kLanes8;
+constexpr int kVector_px = 32;  ///< rows are padded to whole ones of these
 constexpr int kWeightOne = 128;
 
 int round_up(int n, int multiple) { return (n + multiple - 1) / multiple * multiple; }
@@ -45,11 +45,11 @@ void OrbPyramid::allocate(int width_px, int height_px) {
     if (l > 0) {
       const GreyView& from = views_.back();
       // Odd multiple of a cache line, so that the rows of a patch do not share a cache set.
-      view.stride = round_up(width + kLanes8, 64) | 64;
-      level.pixels.resize(static_cast<std::size_t>(view.stride * height) + kLanes8);
-      level.columns.resize(static_cast<std::size_t>(round_up(width, kLanes8) / 8));
+      view.stride = round_up(width + kVector_px, 64) | 64;
+      level.pixels.resize(static_cast<std::size_t>(view.stride * height) + kVector_px);
+      level.columns.resize(static_cast<std::size_t>(round_up(width, kVector_px) / 8));
       for (int x = 0; x < static_cast<int>(level.columns.size()) * 8; ++x) {
-        Eight& eight = level.columns[x / 8];
+        ShrunkEight& eight = level.columns[x / 8];
         const Position at = source_of(x, step_, from.width);
         if (x % 8 == 0) eight.first = std::min(at.index, from.width - 16);
         const int k = 2 * (x % 8);
@@ -65,7 +65,7 @@ void OrbPyramid::allocate(int width_px, int height_px) {
     width = static_cast<int>(width / step_);
     height = static_cast<int>(height / step_);
   }
-  for (auto& row : rows_) row.assign(static_cast<std::size_t>(round_up(width_px, kLanes8)), 0);
+  for (auto& row : rows_) row.assign(static_cast<std::size_t>(round_up(width_px, kVector_px)), 0);
 }
 
 std::span<const GreyView> OrbPyramid::build(const GreyImage& grey) {
@@ -83,35 +83,19 @@ std::span<const GreyView> OrbPyramid::build(const GreyImage& grey) {
 void OrbPyramid::shrink(const GreyView& from, const Level& level, const GreyView& to,
                         std::uint8_t* to_pixels) {
   const int padded_width = static_cast<int>(level.columns.size()) * 8;
-  const auto shrink_row = [&](const std::uint8_t* in, std::int16_t* out) {
-    for (std::size_t k = 0; k < level.columns.size(); k += 2, out += 16) {
-      const Eight& a = level.columns[k];
-      const Eight& b = level.columns[k + 1];
-      const simd::U8 source = simd::load_halves(in + a.first, in + b.first);
-      const simd::U8 pairs = simd::shuffle_halves(source, simd::load_halves(a.index, b.index));
-      simd::store(out, simd::dot_pairs(pairs, simd::load_halves(a.weight, b.weight)));
-    }
-  };
+  const OrbKernels& kernels = orb_kernels();
   std::array<int, 2> row_held = {-1, -1};  // row i is held in rows_[i % 2]
   for (int y = 0; y < to.height; ++y) {
     const Position at = source_of(y, step_, from.height);
     for (int i = at.index; i <= at.index + 1; ++i) {
-      if (row_held[i % 2] != i) shrink_row(from.row(i), rows_[i % 2].data());
+      if (row_held[i % 2] != i) {
+        kernels.shrink_row(from.row(i), level.columns.data(), level.columns.size(),
+                           rows_[i % 2].data());
+      }
       row_held[i % 2] = i;
     }
-    const std::int16_t* upper = rows_[at.index % 2].data();
-    const std::int16_t* lower = rows_[(at.index + 1) % 2].data();
-    const simd::I16 weight = simd::splat16(at.weight * (32768 / kWeightOne));
-    const simd::I16 half = simd::splat16(kWeightOne / 2);
-    const auto blend = [&](int x) {
-      const simd::I16 a = simd::load(upper + x);
-      const simd::I16 change = simd::multiply_q15(simd::subtract(simd::load(lower + x), a), weight);
-      return simd::shift_right<7>(simd::add(simd::add(a, change), half));
-    };
-    std::uint8_t* out = to_pixels + y * to.stride;
-    for (int x = 0; x < padded_width; x += kLanes8) {
-      simd::store(out + x, simd::narrow(blend(x), blend(x + 16)));
-    }
+    kernels.blend_rows(rows_[at.index % 2].data(), rows_[(at.index + 1) % 2].data(), at.weight,
+                       padded_width, to_pixels + y * to.stride);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "ydd/features/orb_kernels.h"
 #include "ydd/image/image.h"
 
 namespace ydd {
@@ -36,16 +37,8 @@ class OrbPyramid {
   std::span<const GreyView> build(const GreyImage& grey);
 
  private:
-  /// How eight neighbouring pixels of a smaller row come from 16 bytes of the larger one: pixel k
-  /// is weight[2k] * source[first + index[2k]] + weight[2k+1] * source[first + index[2k+1]], in
-  /// 1/128.
-  struct Eight {
-    int first = 0;
-    std::uint8_t index[16] = {};
-    std::uint8_t weight[16] = {};
-  };
   struct Level {
-    std::vector<Eight> columns;  ///< an even number of them
+    std::vector<ShrunkEight> columns;  ///< an even number of them
     std::vector<std::uint8_t> pixels;
   };
 

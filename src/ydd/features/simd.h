@@ -20,7 +20,11 @@ namespace ydd::simd {
 
 inline constexpr int kLanes8 = 32;
 
+// What one instruction set means by a name must not be linked for another one's.
 #if defined(__AVX2__)
+inline namespace avx2 {
+
+inline constexpr const char* kInstructionSet = "AVX2";
 
 struct U8 {
   __m256i v;
@@ -95,7 +99,11 @@ inline std::int32_t dot(I16 a, I16 b) {
   return _mm_cvtsi128_si32(s);
 }
 
+}  // namespace avx2
 #elif defined(__SSE4_1__)
+inline namespace sse41 {
+
+inline constexpr const char* kInstructionSet = "SSE4.1";
 
 struct U8 {
   __m128i low, high;
@@ -189,7 +197,11 @@ inline std::int32_t dot(I16 a, I16 b) {
   return _mm_cvtsi128_si32(s);
 }
 
+}  // namespace sse41
 #else
+inline namespace plain {
+
+inline constexpr const char* kInstructionSet = "none";
 
 struct U8 {
   std::uint8_t v[32];
@@ -313,6 +325,7 @@ inline std::int32_t dot(I16 a, I16 b) {
   return sum;
 }
 
+}  // namespace plain
 #endif
 
 }  // namespace ydd::simd
