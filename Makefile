@@ -65,8 +65,9 @@ fuzz:  ## Fuzz every parser for a minute; FUZZ_RUNS=10000000 by executions, TARG
 	@tools/install-deps --fuzz
 	@tools/fuzz $(TARGETS)
 
-mutants: configure  ## Change the rules of dynamics/ one by one: does a test notice? (hours)
-	@cmake --build --preset release --parallel $(JOBS) --target ydd_dynamics_test ydd_dynamics_property_test
+mutants: deps  ## Change the rules of dynamics/ one by one: does a test notice? (hours)
+	@$(call cmake_preset,release -B build-mutants -DYDD_UNITY=OFF)
+	@cmake --build build-mutants --parallel $(JOBS) --target ydd_dynamics_test ydd_e2e_dynamics_property_test
 	@tools/mutate-dynamics
 
 install: build  ## Install binary, libraries, headers and configurations below PREFIX (/usr/local)

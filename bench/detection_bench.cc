@@ -17,8 +17,8 @@
 #include "ydd/detection/combined_detector.h"
 #include "ydd/detection/detector_config.h"
 #include "ydd/detection/letterbox.h"
-#include "ydd/detection/network.h"
 #include "ydd/detection/yolo_decode.h"
+#include "ydd/inference/network.h"
 
 namespace ydd {
 namespace {

@@ -150,7 +150,7 @@ void SplitFeatures(benchmark::State& state) {
   const Features features = features_of(*input, int(state.range(1)));
   const Judgement judgement = judge_frame(DynamicsOptions(), ObjectCatalogue::defaults(), features,
                                           input->detections, input->depth_m);
-  for (auto _ : state) benchmark::DoNotOptimize(observe(features, judgement));
+  for (auto _ : state) benchmark::DoNotOptimize(filter_features(features, judgement));
 }
 
 void MeasureAndMatch(benchmark::State& state) {

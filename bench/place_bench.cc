@@ -40,11 +40,11 @@ void Query(benchmark::State& state) {
   Camera camera;
   Atlas atlas(camera, PyramidScales::make(8, 1.2));
   const MapId map = atlas.new_map();
-  const auto nothing_seen = std::make_shared<const Observations>();
+  const auto nothing_seen = std::make_shared<const Features>();
   for (int i = 0; i < state.range(0); ++i) {
     KeyFrame keyframe;
     keyframe.map = map;
-    keyframe.observations = nothing_seen;
+    keyframe.shared_features = nothing_seen;
     keyframe.words = std::make_shared<const BagOfWords>(random_words(random));
     atlas.add_keyframe(std::move(keyframe));
   }

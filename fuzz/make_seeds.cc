@@ -5,14 +5,14 @@
 #include <cstdio>
 
 #include "support.h"
-#include "ydd/detection/tiny_onnx_testing.h"
 #include "ydd/image/decode.h"
 #include "ydd/image/jpeg_codec.h"
-#include "ydd/map/database.h"
-#include "ydd/map/map_blobs.h"
-#include "ydd/map/map_file.h"
-#include "ydd/map/map_schema.h"
+#include "ydd/inference/tiny_onnx_testing.h"
 #include "ydd/map/world_testing.h"
+#include "ydd/map_files/database.h"
+#include "ydd/map_files/map_blobs.h"
+#include "ydd/map_files/map_file.h"
+#include "ydd/map_files/map_schema.h"
 
 namespace ydd::fuzz {
 namespace {
@@ -128,7 +128,7 @@ void write_blobs(const fs::path& folder) {
   const std::string blobs[] = {map_format::encode_pose(keyframe.T_world_camera),
                                map_format::encode_camera(atlas.camera()),
                                map_format::encode_scales(atlas.scales()),
-                               map_format::encode_features(keyframe.observations->features),
+                               map_format::encode_features(keyframe.features()),
                                map_format::encode_covisible(keyframe.covisible),
                                map_format::encode_ids(keyframe.loops),
                                points.take()};

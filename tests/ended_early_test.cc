@@ -16,7 +16,7 @@
 #include "altered_sequence.h"
 #include "small_world.h"
 #include "ydd/dataset/trajectory.h"
-#include "ydd/map/map_file.h"
+#include "ydd/map_files/map_file.h"
 
 namespace ydd::e2e {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "bench.h"
-#include "bench_seeds.h"
+#include "bench/bench.h"
+#include "bench/bench_seeds.h"
 #include "commands.h"
-#include "scratch_folder.h"
+#include "common/scratch_folder.h"
 
 namespace ydd::app {
 namespace {

@@ -6,9 +6,9 @@
 #include <opencv2/core/utility.hpp>
 
 #include "commands.h"
-#include "default_detector.h"
-#include "progress.h"
-#include "terminal.h"
+#include "common/default_detector.h"
+#include "common/progress.h"
+#include "common/terminal.h"
 #include "ydd/base/timing.h"
 #include "ydd/dataset/tum_sequence.h"
 #include "ydd/detection/detector_config.h"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "commands.h"
-#include "run_report.h"
+#include "run/run_report.h"
 #include "ydd/base/log.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/evaluation/report.h"

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "commands.h"
-#include "terminal.h"
+#include "common/terminal.h"
 #include "ydd/base/interruption.h"
 #include "ydd/base/version.h"
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "commands.h"
-#include "map_jobs.h"
+#include "map/map_jobs.h"
 
 namespace ydd::app {
 namespace {

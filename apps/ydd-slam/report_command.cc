@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "commands.h"
-#include "run_report.h"
+#include "run/run_report.h"
 #include "ydd/base/files.h"
 #include "ydd/base/log.h"
 

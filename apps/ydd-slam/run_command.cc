@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "commands.h"
-#include "run_job.h"
-#include "terminal.h"
+#include "common/terminal.h"
+#include "run/run_job.h"
 #include "ydd/base/log.h"
 
 namespace ydd::app {

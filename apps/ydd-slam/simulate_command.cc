@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "commands.h"
-#include "progress.h"
-#include "terminal.h"
+#include "common/progress.h"
+#include "common/terminal.h"
 #include "ydd/simulation/tum_writer.h"
 
 namespace ydd::app {

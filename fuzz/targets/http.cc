@@ -5,7 +5,7 @@
 
 #include "support.h"
 #include "targets.h"
-#include "ydd/viewer/live_server.h"
+#include "ydd/live/live_server.h"
 
 namespace ydd::fuzz {
 namespace {

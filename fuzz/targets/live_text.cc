@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support.h"
 #include "targets.h"
-#include "ydd/viewer/live_control.h"
-#include "ydd/viewer/live_server.h"
+#include "ydd/live/live_control.h"
+#include "ydd/live/live_server.h"
 
 namespace ydd::fuzz {
 

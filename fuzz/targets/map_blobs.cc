@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ydd/map/map_blobs.h"
+#include "ydd/map_files/map_blobs.h"
 #include "support.h"
 #include "targets.h"
-#include "ydd/map/map_bytes.h"
+#include "ydd/map_files/map_bytes.h"
 
 namespace ydd::fuzz {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ydd/map/map_file.h"
+#include "ydd/map_files/map_file.h"
 #include "support.h"
 #include "targets.h"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support.h"
 #include "targets.h"
-#include "ydd/map/database.h"
-#include "ydd/map/map_bytes.h"
-#include "ydd/map/map_file.h"
-#include "ydd/map/map_schema.h"
+#include "ydd/map_files/database.h"
+#include "ydd/map_files/map_bytes.h"
+#include "ydd/map_files/map_file.h"
+#include "ydd/map_files/map_schema.h"
 
 namespace ydd::fuzz {
 namespace {

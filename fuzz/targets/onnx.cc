@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support.h"
 #include "targets.h"
-#include "ydd/detection/layer_shapes.h"
-#include "ydd/detection/network.h"
-#include "ydd/detection/onednn_plan.h"
+#include "ydd/inference/layer_shapes.h"
+#include "ydd/inference/network.h"
+#include "ydd/inference/onednn_plan.h"
 
 namespace ydd::fuzz {
 namespace {

@@ -16,7 +16,7 @@
 #include "../small_world.h"
 #include "ydd/base/json_reader.h"
 #include "ydd/dataset/trajectory.h"
-#include "ydd/map/map_file.h"
+#include "ydd/map_files/map_file.h"
 
 /// What is thrown at the programme, and what is then asked of what it left. `make faults` runs the
 /// cases that have a chance in them more often.

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "ydd/dynamics/observations.h"
+#include "ydd/dynamics/filtered_features.h"
 #include "ydd/geometry/camera.h"
 #include "ydd/geometry/se3.h"
 
@@ -20,6 +20,6 @@ int main() {
   const double lens_px = (camera.distort(camera.undistort(seen_px)) - seen_px).norm();
 
   std::printf("installed ydd-slam: inverse to %.1e, lens to %.1e px, %zu points\n", residual,
-              lens_px, ydd::Observations().extracted());
+              lens_px, ydd::FilteredFeatures().extracted());
   return residual < 1e-9 && lens_px < 1e-6 ? 0 : 1;
 }

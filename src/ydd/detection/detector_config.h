@@ -12,8 +12,8 @@
 #include "ydd/base/result.h"
 #include "ydd/detection/combined_detector.h"
 #include "ydd/detection/detector.h"
-#include "ydd/detection/network.h"
 #include "ydd/detection/object_catalogue.h"
+#include "ydd/inference/network.h"
 
 namespace ydd {
 

@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ydd/detection/tiny_onnx_testing.h"
+#include "ydd/inference/tiny_onnx_testing.h"
 
 namespace ydd {
 namespace {

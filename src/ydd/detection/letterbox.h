@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "ydd/detection/detection.h"
-#include "ydd/detection/network.h"
 #include "ydd/image/image.h"
+#include "ydd/inference/network.h"
 
 namespace ydd {
 

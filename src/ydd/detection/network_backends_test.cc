@@ -2,7 +2,7 @@
 // Every back end computes the same network: on a small one made here, and on real weights where
 // YDD_MODELS names them. YDD_ONNXRUNTIME names libonnxruntime.so.1 where ONNX Runtime is to be
 // tried.
-#include "ydd/detection/network_backends.h"
+#include "ydd/inference/network_backends.h"
 
 #include <cmath>
 #include <cstddef>
@@ -14,8 +14,8 @@
 
 #include "ydd/base/files.h"
 #include "ydd/detection/boxes.h"
-#include "ydd/detection/tiny_onnx_testing.h"
 #include "ydd/detection/yolo_decode.h"
+#include "ydd/inference/tiny_onnx_testing.h"
 
 namespace ydd {
 namespace {

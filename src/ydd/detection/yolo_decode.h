@@ -9,7 +9,7 @@
 
 #include "ydd/base/result.h"
 #include "ydd/detection/detection.h"
-#include "ydd/detection/network.h"
+#include "ydd/inference/network.h"
 
 namespace ydd {
 

@@ -8,8 +8,8 @@
 
 #include "ydd/detection/detector.h"
 #include "ydd/detection/letterbox.h"
-#include "ydd/detection/network.h"
 #include "ydd/detection/yolo_decode.h"
+#include "ydd/inference/network.h"
 
 namespace ydd {
 

@@ -88,23 +88,22 @@ Judgement judge_frame(const DynamicsOptions& options, const ObjectCatalogue& cat
   return judge_scene(options, scene, body_regions(scene, options), features);
 }
 
-Observations observe(const Features& features, const Judgement& judgement) {
+FilteredFeatures filter_features(const Features& features, const Judgement& judgement) {
   if (judgement.rules.size() != features.size()) {
-    throw std::logic_error("observe: one rule for each feature is needed");
+    throw std::logic_error("filter_features: one rule for each feature is needed");
   }
-  Observations observations;
+  FilteredFeatures filtered;
   std::vector<int> kept;
   kept.reserve(features.size());
   for (std::size_t i = 0; i < features.size(); ++i) {
     if (judgement.rules[i] == Rule::kept) {
       kept.push_back(static_cast<int>(i));
     } else {
-      observations.rejected.push_back(
-          {features.keypoints[i], features.depth_m[i], judgement.rules[i]});
+      filtered.rejected.push_back({features.keypoints[i], features.depth_m[i], judgement.rules[i]});
     }
   }
-  observations.features = select(features, kept);
-  return observations;
+  filtered.kept = std::make_shared<const Features>(select(features, kept));
+  return filtered;
 }
 
 DynamicsJudge::DynamicsJudge(const DynamicsOptions& options, ObjectCatalogue catalogue)

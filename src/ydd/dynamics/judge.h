@@ -10,7 +10,7 @@
 #include "ydd/dynamics/bridging.h"
 #include "ydd/dynamics/depth_range.h"
 #include "ydd/dynamics/dynamics_options.h"
-#include "ydd/dynamics/observations.h"
+#include "ydd/dynamics/filtered_features.h"
 #include "ydd/dynamics/point_rules.h"
 #include "ydd/dynamics/scene_switch.h"
 #include "ydd/features/features.h"
@@ -50,7 +50,7 @@ Judgement judge_frame(const DynamicsOptions& options, const ObjectCatalogue& cat
 
 /// Splits the features: those whose rule is `kept`, and the rejected ones.
 /// @throws std::logic_error unless there is one rule for each feature.
-Observations observe(const Features& features, const Judgement& judgement);
+FilteredFeatures filter_features(const Features& features, const Judgement& judgement);
 
 /// The YDD method over a sequence (docs/method.md): judge_frame plus what it keeps from frame to
 /// frame: the static/dynamic switch, the budget, and persons to be carried over missed detections.

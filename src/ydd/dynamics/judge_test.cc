@@ -429,23 +429,23 @@ TEST(Judge, StrangeInputIsNoReasonToFail) {
 TEST(Observe, SplitsKeptFromRejected) {
   const PaintedScene scene = one_person();
   const Features features = scene.points({{280, 300}, {500, 300}, {215, 300}, {285, 310}});
-  const Observations observations = observe(
+  const FilteredFeatures filtered = filter_features(
       features, judge(scene, {{280, 300}, {500, 300}, {215, 300}, {285, 310}}, article_options()));
-  ASSERT_EQ(observations.features.size(), 2U);
-  EXPECT_EQ(observations.features.keypoints[0].x_px, 500);
-  EXPECT_EQ(observations.features.keypoints[1].x_px, 215);
-  ASSERT_EQ(observations.rejected.size(), 2U);
-  EXPECT_EQ(observations.rejected[0].rule, Rule::body_depth);
-  EXPECT_EQ(observations.rejected[0].depth_m, 2.0F);
-  EXPECT_EQ(observations.rejected[1].keypoint.x_px, 285);
-  EXPECT_EQ(observations.extracted(), 4U);
-  const auto counts = count_rules(observations);
+  ASSERT_EQ(filtered.kept->size(), 2U);
+  EXPECT_EQ(filtered.kept->keypoints[0].x_px, 500);
+  EXPECT_EQ(filtered.kept->keypoints[1].x_px, 215);
+  ASSERT_EQ(filtered.rejected.size(), 2U);
+  EXPECT_EQ(filtered.rejected[0].rule, Rule::body_depth);
+  EXPECT_EQ(filtered.rejected[0].depth_m, 2.0F);
+  EXPECT_EQ(filtered.rejected[1].keypoint.x_px, 285);
+  EXPECT_EQ(filtered.extracted(), 4U);
+  const auto counts = count_rules(filtered);
   EXPECT_EQ(counts[static_cast<std::size_t>(Rule::kept)], 2);
   EXPECT_EQ(counts[static_cast<std::size_t>(Rule::body_depth)], 2);
 }
 
 TEST(Observe, NeedsOneRuleForEachFeature) {
-  EXPECT_THROW(observe(one_person().points({{1, 1}}), Judgement()), std::logic_error);
+  EXPECT_THROW(filter_features(one_person().points({{1, 1}}), Judgement()), std::logic_error);
 }
 
 TEST(Rules, EachHasItsName) {

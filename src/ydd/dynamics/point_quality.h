@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "ydd/detection/detection.h"
-#include "ydd/dynamics/observations.h"
+#include "ydd/dynamics/filtered_features.h"
 #include "ydd/image/image.h"
 
 namespace ydd {

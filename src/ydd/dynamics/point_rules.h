@@ -7,7 +7,7 @@
 
 #include "ydd/detection/detection.h"
 #include "ydd/dynamics/depth_range.h"
-#include "ydd/dynamics/observations.h"
+#include "ydd/dynamics/filtered_features.h"
 #include "ydd/image/image.h"
 
 namespace ydd {

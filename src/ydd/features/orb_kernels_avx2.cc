@@ -3,7 +3,13 @@
 
 namespace ydd {
 
-const OrbKernels kAvx2OrbKernels = {simd::kInstructionSet, score_row,  find_maxima, blur_columns,
-                                       blur_along,            shrink_row, blend_rows,  moments};
+const OrbKernels kAvx2OrbKernels = {simd::kInstructionSet,
+                                    score_row,
+                                    find_maxima,
+                                    blur_columns,
+                                    blur_along,
+                                    shrink_row,
+                                    blend_rows,
+                                    moments};
 
 }  // namespace ydd

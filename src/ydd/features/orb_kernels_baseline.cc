@@ -3,7 +3,13 @@
 
 namespace ydd {
 
-const OrbKernels kBaselineOrbKernels = {simd::kInstructionSet, score_row,  find_maxima, blur_columns,
-                                       blur_along,            shrink_row, blend_rows,  moments};
+const OrbKernels kBaselineOrbKernels = {simd::kInstructionSet,
+                                        score_row,
+                                        find_maxima,
+                                        blur_columns,
+                                        blur_along,
+                                        shrink_row,
+                                        blend_rows,
+                                        moments};
 
 }  // namespace ydd

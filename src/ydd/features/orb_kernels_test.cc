@@ -47,8 +47,7 @@ void add_corners(const OrbKernels& kernels, const std::vector<std::uint8_t>& ima
   for (const Corner& c : corners) outcome.corners.push_back({c.x, c.y, c.score});
 }
 
-void add_blur(const OrbKernels& kernels, const std::vector<std::uint8_t>& image,
-              Outcome& outcome) {
+void add_blur(const OrbKernels& kernels, const std::vector<std::uint8_t>& image, Outcome& outcome) {
   std::vector<std::uint8_t> down(kRowStride);
   std::vector<std::uint8_t> along(kRowStride);
   kernels.blur_columns(&image[3 * kRowStride], kRowStride, kWidth, down.data());

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "ydd/loop/loop_closer.h"
-#include "ydd/tracking/pose_from_matches.h"
+#include "ydd/matching/pose_from_matches.h"
 
 namespace ydd {
 namespace {

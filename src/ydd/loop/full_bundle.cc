@@ -22,7 +22,7 @@ Gathered gather(const Atlas& atlas, MapId map) {
   atlas.points().for_each([&](MapPointId id, const MapPoint& point) {
     const int index = static_cast<int>(out.points.size());
     bool seen = false;
-    for (const Sighting& s : point.sightings) {
+    for (const Observation& s : point.observations) {
       const int pose = pose_by_slot[s.keyframe.slot];
       if (pose < 0) continue;
       seen = true;

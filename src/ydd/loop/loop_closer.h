@@ -6,10 +6,10 @@
 #include <stop_token>
 
 #include "ydd/map/correction.h"
+#include "ydd/matching/relocalization.h"
 #include "ydd/optimization/bundle_adjustment.h"
 #include "ydd/optimization/pose_graph.h"
 #include "ydd/place/place_query.h"
-#include "ydd/tracking/relocalization.h"
 
 namespace ydd {
 

@@ -10,8 +10,8 @@ namespace ydd {
 namespace {
 
 auto sighting_by(const MapPoint& point, KeyFrameId keyframe) {
-  return std::find_if(point.sightings.begin(), point.sightings.end(),
-                      [&](const Sighting& s) { return s.keyframe == keyframe; });
+  return std::find_if(point.observations.begin(), point.observations.end(),
+                      [&](const Observation& s) { return s.keyframe == keyframe; });
 }
 
 }  // namespace
@@ -74,32 +74,32 @@ bool Atlas::add_sighting(MapPointId point, KeyFrameId keyframe, int keypoint) {
   const auto k = static_cast<std::size_t>(keypoint);
   const KeyFrame& seen_by = keyframes_.at(keyframe);
   const MapPoint& seen = points_.at(point);
-  if (seen_by.points.at(k).valid() || sighting_by(seen, keyframe) != seen.sightings.end()) {
+  if (seen_by.points.at(k).valid() || sighting_by(seen, keyframe) != seen.observations.end()) {
     return false;
   }
   ++revision_;
   keyframes_.edit(keyframe).points[k] = point;
-  points_.edit(point).sightings.push_back({keyframe, keypoint});
+  points_.edit(point).observations.push_back({keyframe, keypoint});
   return true;
 }
 
-void Atlas::unlink(MapPointId point, const Sighting& sighting) {
+void Atlas::unlink(MapPointId point, const Observation& sighting) {
   ++revision_;
   keyframes_.edit(sighting.keyframe).points[static_cast<std::size_t>(sighting.keypoint)] = {};
-  std::erase(points_.edit(point).sightings, sighting);
+  std::erase(points_.edit(point).observations, sighting);
 }
 
 void Atlas::remove_sighting(MapPointId point, KeyFrameId keyframe) {
   const MapPoint& seen = points_.at(point);
   const auto found = sighting_by(seen, keyframe);
-  if (found == seen.sightings.end()) return;
-  unlink(point, Sighting(*found));
-  if (points_.at(point).sightings.empty()) points_.erase(point);
+  if (found == seen.observations.end()) return;
+  unlink(point, Observation(*found));
+  if (points_.at(point).observations.empty()) points_.erase(point);
 }
 
 void Atlas::remove_point(MapPointId point) {
-  const std::vector<Sighting> sightings = points_.at(point).sightings;
-  for (const Sighting& sighting : sightings) unlink(point, sighting);
+  const std::vector<Observation> observations = points_.at(point).observations;
+  for (const Observation& sighting : observations) unlink(point, sighting);
   points_.erase(point);
 }
 
@@ -108,7 +108,7 @@ void Atlas::merge_points(MapPointId from, MapPointId into) {
   points_.at(into);  // throws before anything is changed
   const MapPoint replaced = points_.at(from);
   remove_point(from);
-  for (const Sighting& s : replaced.sightings) add_sighting(into, s.keyframe, s.keypoint);
+  for (const Observation& s : replaced.observations) add_sighting(into, s.keyframe, s.keypoint);
   count_views(into, replaced.visible, replaced.found);
   refresh_point(into);
 }
@@ -149,11 +149,11 @@ void Atlas::count_views(MapPointId point, int visible, int found) {
 void Atlas::refresh_point(MapPointId id) {
   ++revision_;
   MapPoint& point = points_.edit(id);
-  if (point.sightings.empty()) return;
+  if (point.observations.empty()) return;
   std::vector<Descriptor> descriptors;
-  descriptors.reserve(point.sightings.size());
+  descriptors.reserve(point.observations.size());
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  for (const Sighting& s : point.sightings) {
+  for (const Observation& s : point.observations) {
     const KeyFrame& keyframe = keyframes_.at(s.keyframe);
     descriptors.push_back(keyframe.features().descriptors[static_cast<std::size_t>(s.keypoint)]);
     normal += (point.p_world - keyframe.T_world_camera.translation()).normalized();
@@ -162,7 +162,7 @@ void Atlas::refresh_point(MapPointId id) {
   point.normal = normal.normalized();
   // The oldest sighting fixes the scale range: a keypoint on octave o at distance d would be seen
   // on octave 0 at d * factor[o].
-  const Sighting& first = point.sightings.front();
+  const Observation& first = point.observations.front();
   const KeyFrame& reference = keyframes_.at(first.keyframe);
   const int octave =
       reference.features().keypoints[static_cast<std::size_t>(first.keypoint)].octave;

@@ -44,8 +44,8 @@ class Atlas {
   Atlas(const Camera& camera, const PyramidScales& scales);
 
   /// An atlas from its parts, down to the ids that it will give next. Lists of points per keyframe
-  /// are made from the sightings; what they hold is ignored. Failure: the first thing that does not
-  /// fit together, without a file name.
+  /// are made from the observations; what they hold is ignored. Failure: the first thing that does
+  /// not fit together, without a file name.
   static Result<Atlas> restore(AtlasParts parts);
 
   const Camera& camera() const { return camera_; }
@@ -72,7 +72,7 @@ class Atlas {
   bool add_sighting(MapPointId point, KeyFrameId keyframe, int keypoint);
   /// Unlinks; a point with no sighting left is removed.
   void remove_sighting(MapPointId point, KeyFrameId keyframe);
-  /// Moves all sightings of `from` to `into` where `into` has none yet, adds its counters, and
+  /// Moves all observations of `from` to `into` where `into` has none yet, adds its counters, and
   /// removes `from`.
   void merge_points(MapPointId from, MapPointId into);
   void remove_point(MapPointId point);
@@ -91,7 +91,7 @@ class Atlas {
   void reroot(KeyFrameId root, KeyFrameId parent);
   /// Adds to how often a point should have been seen and was.
   void count_views(MapPointId point, int visible, int found);
-  /// Recomputes descriptor, normal and distances of a point from its sightings.
+  /// Recomputes descriptor, normal and distances of a point from its observations.
   void refresh_point(MapPointId point);
   /// Recomputes with whom a keyframe shares points; connects those with at least `min_weight`
   /// (always the strongest), on both sides. Gives a parent if it has none and is not the first.
@@ -127,7 +127,7 @@ class Atlas {
  private:
   Atlas(const Atlas& other, Table<KeyFrame, KeyFrameTag> keyframes,
         Table<MapPoint, MapPointTag> points);
-  void unlink(MapPointId point, const Sighting& sighting);
+  void unlink(MapPointId point, const Observation& sighting);
   void connect(KeyFrameId from, KeyFrameId to, int weight);
   void drop_connections(KeyFrameId keyframe);
   KeyFrameId best_new_parent(KeyFrameId child, const std::vector<KeyFrameId>& orphans) const;

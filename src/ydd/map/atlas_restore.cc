@@ -30,7 +30,7 @@ bool features_agree(const Features& f, const PyramidScales& scales) {
 std::string fault_of_keyframes(const Atlas& atlas) {
   std::string fault;
   atlas.keyframes().for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
-    if (!keyframe.observations || !features_agree(keyframe.features(), atlas.scales())) {
+    if (!keyframe.shared_features || !features_agree(keyframe.features(), atlas.scales())) {
       fault = fmt::format("keyframe {}: keypoints that cannot be", id.slot);
     }
     if (!keyframe.map.valid() || keyframe.map.slot >= atlas.maps() || keyframe.serial < 0 ||
@@ -48,7 +48,7 @@ std::string fault_of_points(const Atlas& atlas) {
         !std::isfinite(point.min_distance_m) || !std::isfinite(point.max_distance_m)) {
       fault = fmt::format("point {}: not a place in the world", id.slot);
     }
-    for (const Sighting& s : point.sightings) {
+    for (const Observation& s : point.observations) {
       const KeyFrame* keyframe = atlas.find(s.keyframe);
       if (!keyframe || s.keypoint < 0 ||
           static_cast<std::size_t>(s.keypoint) >= keyframe->features().size()) {
@@ -94,7 +94,7 @@ bool link_sightings(Table<KeyFrame, KeyFrameTag>& keyframes,
     keyframe.points.assign(keyframe.features().size(), MapPointId{});
   }
   points.for_each([&](MapPointId id, const MapPoint& point) {
-    for (const Sighting& s : point.sightings) {
+    for (const Observation& s : point.observations) {
       MapPointId& link = keyframes.edit(s.keyframe).points[static_cast<std::size_t>(s.keypoint)];
       fits = fits && !link.valid();
       link = id;

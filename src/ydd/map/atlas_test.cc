@@ -82,7 +82,7 @@ TEST(Atlas, AddKeyframeLinksItsPointsAndDropsWhatItCannotLink) {
   EXPECT_FALSE(atlas.at(id).points[0].valid());
   EXPECT_EQ(atlas.at(id).points[1], kept);
   EXPECT_FALSE(atlas.at(id).points[2].valid());
-  EXPECT_EQ(atlas.at(kept).sightings.back(), (Sighting{id, 1}));
+  EXPECT_EQ(atlas.at(kept).observations.back(), (Observation{id, 1}));
   EXPECT_THAT(atlas.at(id).covisible, IsEmpty());
   EXPECT_EQ(atlas.newest_keyframe(), id);
   EXPECT_EQ(atlas.at(id).serial, 2);
@@ -118,9 +118,9 @@ TEST(Atlas, AddSightingRefusesEitherSideThatIsLinked) {
 TEST(Atlas, APointGoesWithItsLastSighting) {
   BuiltMap built = small_map(2);
   Atlas& atlas = built.atlas;
-  const auto seen_by_both =
-      std::find_if(built.points.begin(), built.points.end(),
-                   [&](MapPointId id) { return id.valid() && atlas.at(id).sightings.size() == 2; });
+  const auto seen_by_both = std::find_if(
+      built.points.begin(), built.points.end(),
+      [&](MapPointId id) { return id.valid() && atlas.at(id).observations.size() == 2; });
   ASSERT_NE(seen_by_both, built.points.end());
   atlas.remove_sighting(*seen_by_both, built.keyframes[0]);
   ASSERT_NE(atlas.find(*seen_by_both), nullptr);
@@ -173,8 +173,9 @@ TEST(Atlas, MergeMovesSightingsWhereThereIsRoomAndAddsCounters) {
   atlas.merge_points(from, into);
   EXPECT_EQ(atlas.find(from), nullptr);
   const MapPoint& merged = atlas.at(into);
-  EXPECT_THAT(merged.sightings, testing::UnorderedElementsAre(
-                                    Sighting{ids[0], 0}, Sighting{ids[1], 1}, Sighting{ids[2], 5}));
+  EXPECT_THAT(merged.observations,
+              testing::UnorderedElementsAre(Observation{ids[0], 0}, Observation{ids[1], 1},
+                                            Observation{ids[2], 5}));
   EXPECT_EQ(merged.visible, 1 + 2 + 1 + 4);
   EXPECT_EQ(merged.found, 1 + 1 + 1 + 3);
   EXPECT_EQ(merged.p_world.z(), 2.1);
@@ -193,7 +194,7 @@ TEST(Atlas, RefreshPointTellsFromWhereItCanBeSeen) {
     const MapPoint* point = built.atlas.find(built.points[i]);
     if (!point) continue;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (const Sighting& s : point->sightings) {
+    for (const Observation& s : point->observations) {
       mean +=
           (point->p_world - built.atlas.at(s.keyframe).T_world_camera.translation()).normalized();
     }

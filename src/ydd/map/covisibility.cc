@@ -22,7 +22,7 @@ std::vector<Covisible> shared_points(const Atlas& atlas, KeyFrameId id) {
   std::map<KeyFrameId, int> counts;
   for (const MapPointId point : atlas.at(id).points) {
     if (!point.valid()) continue;
-    for (const Sighting& s : atlas.at(point).sightings) {
+    for (const Observation& s : atlas.at(point).observations) {
       if (s.keyframe != id) ++counts[s.keyframe];
     }
   }
@@ -173,8 +173,8 @@ bool Atlas::has_root(KeyFrameId id) const {
 std::vector<std::string> Atlas::check_consistency() const {
   std::vector<std::string> faults;
   points_.for_each([&](MapPointId id, const MapPoint& point) {
-    if (point.sightings.empty()) faults.push_back(fmt::format("point {}: no sighting", id.slot));
-    for (const Sighting& s : point.sightings) {
+    if (point.observations.empty()) faults.push_back(fmt::format("point {}: no sighting", id.slot));
+    for (const Observation& s : point.observations) {
       const KeyFrame* keyframe = find(s.keyframe);
       if (!keyframe || keyframe->points.at(static_cast<std::size_t>(s.keypoint)) != id) {
         faults.push_back(fmt::format("point {}: sighting without link back", id.slot));
@@ -188,9 +188,9 @@ std::vector<std::string> Atlas::check_consistency() const {
     for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
       if (!keyframe.points[i].valid()) continue;
       const MapPoint* point = find(keyframe.points[i]);
-      const Sighting link{id, static_cast<int>(i)};
-      if (!point || std::find(point->sightings.begin(), point->sightings.end(), link) ==
-                        point->sightings.end()) {
+      const Observation link{id, static_cast<int>(i)};
+      if (!point || std::find(point->observations.begin(), point->observations.end(), link) ==
+                        point->observations.end()) {
         faults.push_back(fmt::format("keyframe {}: keypoint {} without link back", id.slot, i));
       }
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/map/join_atlases.h"
 
-#include "ydd/map/map_file.h"
+#include "ydd/map/compatible.h"
 
 namespace ydd {
 namespace {
@@ -33,7 +33,7 @@ class Shift {
   }
   MapPoint operator()(MapPoint point) const {
     point.born += serials_;
-    for (Sighting& s : point.sightings) s.keyframe = (*this)(s.keyframe);
+    for (Observation& s : point.observations) s.keyframe = (*this)(s.keyframe);
     return point;
   }
 

@@ -29,7 +29,7 @@ std::vector<int> votes_by_slot(const Atlas& atlas, std::span<const MapPointId> p
   for (const MapPointId id : points) {
     const MapPoint* point = atlas.find(id);
     if (!point) continue;
-    for (const Sighting& s : point->sightings) ++votes[s.keyframe.slot];
+    for (const Observation& s : point->observations) ++votes[s.keyframe.slot];
   }
   return votes;
 }

@@ -5,16 +5,38 @@
 
 #include <fmt/format.h>
 
-#include "ydd/map/map_blobs.h"
-#include "ydd/map/map_bytes.h"
+#include "ydd/base/byte_writer.h"
+#include "ydd/base/checksum.h"
 
 namespace ydd {
 namespace {
 
 std::uint64_t sum_of(std::string_view bytes) {
-  map_format::Checksum sum;
+  Checksum sum;
   sum.add(bytes);
   return sum.value();
+}
+
+std::string bytes_of(const SE3& pose) {
+  ByteWriter out;
+  for (int i = 0; i < 3; ++i) out.f64(pose.translation()[i]);
+  for (int i = 0; i < 4; ++i) out.f64(pose.rotation().coeffs()[i]);
+  return std::move(out).take();
+}
+
+std::string bytes_of(const Features& features) {
+  ByteWriter out;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const Keypoint& k = features.keypoints[i];
+    for (const float value :
+         {k.x_px, k.y_px, k.angle_rad, k.response, features.depth_m[i], features.right_px[i]}) {
+      out.f32(value);
+    }
+    out.varint(static_cast<std::uint64_t>(k.octave));
+    for (int c = 0; c < 2; ++c) out.f32(features.undistorted_px[i][c]);
+    for (const std::uint64_t word : features.descriptors[i]) out.fixed(word);
+  }
+  return std::move(out).take();
 }
 
 }  // namespace
@@ -38,7 +60,7 @@ std::string dump_map(const Atlas& atlas) {
       fmt::format_to(out, " loop {}.{}\n", loop.slot, loop.generation);
     }
     fmt::format_to(out, " keypoints {} sum {:x}\n", k.features().size(),
-                   sum_of(map_format::encode_features(k.features())));
+                   sum_of(bytes_of(k.features())));
     if (k.picture) {
       fmt::format_to(out, " picture {}x{} sum {:x} {:x}\n", k.picture->width_px,
                      k.picture->height_px, sum_of(k.picture->colour_jpeg),
@@ -48,7 +70,7 @@ std::string dump_map(const Atlas& atlas) {
   for (const auto& [id, culled] : atlas.culled()) {
     fmt::format_to(out, "culled {}.{} parent {}.{} pose sum {:x}\n", id.slot, id.generation,
                    culled.parent.slot, culled.parent.generation,
-                   sum_of(map_format::encode_pose(culled.T_parent_keyframe)));
+                   sum_of(bytes_of(culled.T_parent_keyframe)));
   }
   atlas.points().for_each([&](MapPointId id, const MapPoint& p) {
     fmt::format_to(out, "point {}.{} at {:a} {:a} {:a} descriptor {:x} {:x} {:x} {:x}\n", id.slot,
@@ -57,7 +79,7 @@ std::string dump_map(const Atlas& atlas) {
     fmt::format_to(out, " normal {:a} {:a} {:a} range {:a} {:a} born {} views {} {}\n",
                    p.normal.x(), p.normal.y(), p.normal.z(), p.min_distance_m, p.max_distance_m,
                    p.born, p.visible, p.found);
-    for (const Sighting& s : p.sightings) {
+    for (const Observation& s : p.observations) {
       fmt::format_to(out, " seen {}.{} {}\n", s.keyframe.slot, s.keyframe.generation, s.keypoint);
     }
   });

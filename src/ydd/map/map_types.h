@@ -10,7 +10,7 @@
 
 #include "ydd/base/id.h"
 #include "ydd/base/timestamp.h"
-#include "ydd/dynamics/observations.h"
+#include "ydd/features/features.h"
 #include "ydd/features/matching.h"
 #include "ydd/features/vocabulary.h"
 #include "ydd/geometry/se3.h"
@@ -18,10 +18,10 @@
 namespace ydd {
 
 /// Which keypoint of which keyframe saw a map point.
-struct Sighting {
+struct Observation {
   KeyFrameId keyframe;
   int keypoint = 0;
-  friend bool operator==(const Sighting&, const Sighting&) = default;
+  friend bool operator==(const Observation&, const Observation&) = default;
 };
 
 /// A landmark: a plain immutable value that names keyframes by id.
@@ -32,10 +32,10 @@ struct MapPoint {
   double min_distance_m = 0;
   double max_distance_m = 0;
   Descriptor descriptor{};
-  std::vector<Sighting> sightings;  ///< at most one per keyframe, in order of addition
-  std::int64_t born = 0;            ///< serial of the keyframe that created it
-  int visible = 1;                  ///< frames in which it should have been seen
-  int found = 1;                    ///< frames in which it was seen
+  std::vector<Observation> observations;  ///< at most one per keyframe, in order of addition
+  std::int64_t born = 0;                  ///< serial of the keyframe that created it
+  int visible = 1;                        ///< frames in which it should have been seen
+  int found = 1;                          ///< frames in which it was seen
 };
 
 struct Covisible {
@@ -61,17 +61,17 @@ struct KeyFrame {
   Timestamp stamp;
   MapId map;  ///< which map of the atlas it belongs to
   SE3 T_world_camera;
-  std::shared_ptr<const Observations> observations;
-  std::shared_ptr<const KeypointGrid> grid;  ///< over observations->features
-  std::vector<MapPointId> points;            ///< per keypoint; empty id: none
-  KeyFrameId parent;                         ///< in the spanning tree; empty for a map's first
-  std::vector<Covisible> covisible;          ///< heaviest first; ties by serial
+  std::shared_ptr<const Features> shared_features;  ///< what was judged static, and only that
+  std::shared_ptr<const KeypointGrid> grid;         ///< over the features
+  std::vector<MapPointId> points;                   ///< per keypoint; empty id: none
+  KeyFrameId parent;                 ///< in the spanning tree; empty for a map's first
+  std::vector<Covisible> covisible;  ///< heaviest first; ties by serial
 
   std::vector<KeyFrameId> loops;                   ///< keyframes it closed a loop with
   std::shared_ptr<const BagOfWords> words;         ///< what it looks like, for place recognition
   std::shared_ptr<const KeyFramePicture> picture;  ///< null: not kept
 
-  const Features& features() const { return observations->features; }
+  const Features& features() const { return *shared_features; }
 };
 
 /// Where a keyframe stood that is no longer kept, so that trajectories always resolve.

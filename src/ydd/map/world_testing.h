@@ -27,11 +27,11 @@ struct PointWorld {
 /// One look at it.
 struct View {
   SE3 T_world_camera;
-  std::shared_ptr<const Observations> observations;
+  std::shared_ptr<const Features> shared_features;
   std::shared_ptr<const KeypointGrid> grid;
   std::vector<int> shown;  ///< per keypoint: index into the world's points
 
-  const Features& features() const { return observations->features; }
+  const Features& features() const { return *shared_features; }
 };
 
 struct ViewOptions {
@@ -116,7 +116,7 @@ inline View look(const PointWorld& world, const SE3& T_world_camera,
   }
   view.T_world_camera = T_world_camera;
   view.grid = std::make_shared<const KeypointGrid>(f, camera);
-  view.observations = std::make_shared<const Observations>(Observations{std::move(f), {}});
+  view.shared_features = std::make_shared<const Features>(std::move(f));
   return view;
 }
 
@@ -126,7 +126,7 @@ inline KeyFrame keyframe_of(const View& view, std::int64_t frame_index = 0) {
   keyframe.frame_index = frame_index;
   keyframe.stamp = {1'000'000'000 + frame_index * 33'333'333};
   keyframe.T_world_camera = view.T_world_camera;
-  keyframe.observations = view.observations;
+  keyframe.shared_features = view.shared_features;
   keyframe.grid = view.grid;
   return keyframe;
 }

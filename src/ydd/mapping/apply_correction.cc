@@ -66,7 +66,7 @@ void apply_correction(Atlas& atlas, const Correction& correction) {
   for (const MapPointId id : atlas.points().ids()) {
     const MapPoint& point = atlas.at(id);
     const auto placed = correction.p_world.find(id);
-    const auto& motion = T_new_old[point.sightings.front().keyframe.slot];
+    const auto& motion = T_new_old[point.observations.front().keyframe.slot];
     if (placed != correction.p_world.end()) {
       atlas.set_position(id, placed->second);
     } else if (motion) {

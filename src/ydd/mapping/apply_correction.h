@@ -2,7 +2,7 @@
 #pragma once
 
 #include "ydd/map/correction.h"
-#include "ydd/tracking/projection_search.h"
+#include "ydd/matching/projection_search.h"
 
 namespace ydd {
 

@@ -12,7 +12,7 @@ int octave_of(const KeyFrame& keyframe, int keypoint) {
 bool seen_well_elsewhere(const Atlas& atlas, const MapPoint& point, KeyFrameId id, int octave,
                          int needed) {
   int others = 0;
-  for (const Sighting& s : point.sightings) {
+  for (const Observation& s : point.observations) {
     if (s.keyframe == id) continue;
     if (octave_of(atlas.at(s.keyframe), s.keypoint) <= octave + 1 && ++others >= needed)
       return true;
@@ -32,7 +32,7 @@ bool is_redundant(const Atlas& atlas, KeyFrameId id, const CullOptions& options)
     }
     ++points;
     const MapPoint& point = atlas.at(keyframe.points[i]);
-    if (static_cast<int>(point.sightings.size()) > options.redundant_sightings &&
+    if (static_cast<int>(point.observations.size()) > options.redundant_sightings &&
         seen_well_elsewhere(atlas, point, id, features.keypoints[i].octave,
                             options.redundant_sightings)) {
       ++redundant;
@@ -66,7 +66,7 @@ int cull_recent_points(Atlas& atlas, std::vector<MapPointId>& recent, KeyFrameId
     const auto age = now - point->born;
     const bool rarely_found = point->found < options.min_found_ratio * point->visible;
     const bool unproven = age >= options.probation_keyframes &&
-                          static_cast<int>(point->sightings.size()) < options.min_sightings;
+                          static_cast<int>(point->observations.size()) < options.min_sightings;
     if (rarely_found || unproven) {
       atlas.remove_point(id);
       ++culled;

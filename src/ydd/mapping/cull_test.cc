@@ -61,7 +61,7 @@ TEST(CullRecentPoints, RemovesWhatNobodyElseSawInTime) {
 TEST(CullRecentPoints, ForgetsWhatPassedAndWhatIsGone) {
   BuiltMap built = same_place(5);
   Atlas& atlas = built.atlas;
-  const MapPointId proven = atlas.at(built.keyframes[0]).points[0];  // age 4, five sightings
+  const MapPointId proven = atlas.at(built.keyframes[0]).points[0];  // age 4, five observations
   const MapPointId gone = atlas.at(built.keyframes[0]).points[1];
   atlas.remove_point(gone);
   std::vector<MapPointId> recent = {proven, gone};

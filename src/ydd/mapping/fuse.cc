@@ -46,14 +46,15 @@ int find_keypoint(const Atlas& atlas, const KeyFrame& keyframe, const SE3& T_cam
   return best.distance <= limits.strict ? best.index : -1;
 }
 
-/// Links or merges; the point that stays is the one with more sightings.
+/// Links or merges; the point that stays is the one with more observations.
 void join(Atlas& atlas, KeyFrameId keyframe, int keypoint, MapPointId point) {
   const MapPointId present = atlas.at(keyframe).points[static_cast<std::size_t>(keypoint)];
   if (!present.valid()) {
     if (atlas.add_sighting(point, keyframe, keypoint)) atlas.refresh_point(point);
     return;
   }
-  const bool keep_present = atlas.at(present).sightings.size() > atlas.at(point).sightings.size();
+  const bool keep_present =
+      atlas.at(present).observations.size() > atlas.at(point).observations.size();
   atlas.merge_points(keep_present ? point : present, keep_present ? present : point);
 }
 
@@ -94,8 +95,8 @@ int fuse_points(Atlas& atlas, KeyFrameId id, std::span<const MapPointId> points,
   for (const MapPointId point_id : points) {
     const MapPoint* point = atlas.find(point_id);
     if (!point) continue;
-    const bool seen = std::any_of(point->sightings.begin(), point->sightings.end(),
-                                  [&](const Sighting& s) { return s.keyframe == id; });
+    const bool seen = std::any_of(point->observations.begin(), point->observations.end(),
+                                  [&](const Observation& s) { return s.keyframe == id; });
     if (seen) continue;
     const int keypoint =
         find_keypoint(atlas, atlas.at(id), T_camera_world, *point, radius_px, limits, candidates);

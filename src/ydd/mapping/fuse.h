@@ -3,13 +3,13 @@
 
 #include <span>
 
-#include "ydd/tracking/projection_search.h"
+#include "ydd/matching/projection_search.h"
 
 namespace ydd {
 
 /// Projects `points` into `keyframe` and, where a keypoint looks like one of them, links it, or
-/// merges the two points if the keypoint already has another (the one with more sightings stays).
-/// Gives how many were linked or merged.
+/// merges the two points if the keypoint already has another (the one with more observations
+/// stays). Gives how many were linked or merged.
 int fuse_points(Atlas& atlas, KeyFrameId keyframe, std::span<const MapPointId> points,
                 double radius_px, const MatchLimits& limits);
 

@@ -93,7 +93,7 @@ TEST(FusePoints, MergesDuplicatesIntoThePointWithMoreSightings) {
   Newcomer n(true);
   std::vector<MapPointId> old;
   for (const MapPointId id : n.built.points) {
-    if (id.valid() && n.built.atlas.at(id).sightings.size() == 2) old.push_back(id);
+    if (id.valid() && n.built.atlas.at(id).observations.size() == 2) old.push_back(id);
   }
   const std::size_t before = n.built.atlas.points().size();
   const int fused = fuse_points(n.built.atlas, n.id, old, kRadius_px, {});

@@ -42,7 +42,7 @@ std::vector<KeyFrameId> outside_keyframes(const Atlas& atlas, const GatheredBund
                                           const std::vector<int>& pose_by_slot) {
   std::map<KeyFrameId, int> votes;
   for (const MapPointId point : gathered.points) {
-    for (const Sighting& s : atlas.at(point).sightings) {
+    for (const Observation& s : atlas.at(point).observations) {
       if (pose_by_slot[s.keyframe.slot] == kAbsent) ++votes[s.keyframe];
     }
   }
@@ -56,7 +56,8 @@ std::vector<KeyFrameId> outside_keyframes(const Atlas& atlas, const GatheredBund
 void add_observations(const Atlas& atlas, const std::vector<int>& pose_by_slot,
                       GatheredBundle& gathered) {
   for (int p = 0; p < static_cast<int>(gathered.points.size()); ++p) {
-    for (const Sighting& s : atlas.at(gathered.points[static_cast<std::size_t>(p)]).sightings) {
+    for (const Observation& s :
+         atlas.at(gathered.points[static_cast<std::size_t>(p)]).observations) {
       const int pose = pose_by_slot[s.keyframe.slot];
       if (pose == kAbsent) continue;
       const Features& f = atlas.at(s.keyframe).features();

@@ -28,7 +28,7 @@ struct GatheredBundle {
 GatheredBundle gather_local_bundle(const Atlas& atlas, KeyFrameId keyframe,
                                    const LocalBundleOptions& options);
 
-/// Writes solved poses and points into the atlas and unlinks sightings judged outliers.
+/// Writes solved poses and points into the atlas and unlinks observations judged outliers.
 void apply_bundle(Atlas& atlas, const GatheredBundle& gathered, const BundleResult& result);
 
 }  // namespace ydd

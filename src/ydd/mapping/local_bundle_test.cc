@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ydd/tracking/tracking_testing.h"
+#include "ydd/matching/matching_testing.h"
 
 namespace ydd {
 namespace {
@@ -67,7 +67,7 @@ struct DisturbedScene {
   std::size_t links() const {
     std::size_t links = 0;
     built.atlas.points().for_each(
-        [&](MapPointId, const MapPoint& point) { links += point.sightings.size(); });
+        [&](MapPointId, const MapPoint& point) { links += point.observations.size(); });
     return links;
   }
   double point_error_m() const {
@@ -89,12 +89,12 @@ TEST(GatherLocalBundle, NamesEveryPoseAndPointAndAllTheirSightings) {
   ASSERT_EQ(g.points.size(), g.problem.points.size());
   EXPECT_EQ(g.keyframes.front(), scene.built.keyframes[5]);
   EXPECT_EQ(g.keyframes.size(), 6U);
-  std::size_t sightings = 0;
+  std::size_t observations = 0;
   for (std::size_t p = 0; p < g.points.size(); ++p) {
     EXPECT_EQ(g.problem.points[p], atlas.at(g.points[p]).p_world);
-    sightings += atlas.at(g.points[p]).sightings.size();
+    observations += atlas.at(g.points[p]).observations.size();
   }
-  EXPECT_EQ(g.problem.observations.size(), sightings);
+  EXPECT_EQ(g.problem.observations.size(), observations);
   for (std::size_t i = 0; i < g.keyframes.size(); ++i) {
     EXPECT_EQ(g.problem.poses[i].fixed, g.keyframes[i] == scene.built.keyframes[0]);
   }
@@ -162,12 +162,12 @@ TEST(LocalBundle, BringsADisturbedMapBack) {
 TEST(LocalBundle, UnlinksOutliers) {
   DisturbedScene scene(6);
   Atlas& atlas = scene.built.atlas;
-  // Two points of keyframe 3 change places: both sightings are wrong.
+  // Two points of keyframe 3 change places: both observations are wrong.
   const KeyFrameId id = scene.built.keyframes[3];
   const MapPointId a = atlas.at(id).points[0];
   const MapPointId b = atlas.at(id).points[9];
-  ASSERT_GE(atlas.at(a).sightings.size(), 3U);
-  ASSERT_GE(atlas.at(b).sightings.size(), 3U);
+  ASSERT_GE(atlas.at(a).observations.size(), 3U);
+  ASSERT_GE(atlas.at(b).observations.size(), 3U);
   atlas.remove_sighting(a, id);
   atlas.remove_sighting(b, id);
   ASSERT_TRUE(atlas.add_sighting(a, id, 9));

@@ -99,7 +99,7 @@ KeyFrameId Mapper::insert(const KeyFrameCandidate& candidate) {
   KeyFrame keyframe;
   keyframe.frame_index = frame.index;
   keyframe.stamp = frame.stamp;
-  keyframe.observations = frame.observations;
+  keyframe.shared_features = frame.shared_features;
   keyframe.grid = frame.grid;
   keyframe.points = frame.points;
   if (frame.picture) {
@@ -130,8 +130,8 @@ KeyFrameId Mapper::insert(const KeyFrameCandidate& candidate) {
 }
 
 int Mapper::add_points_from_depth(KeyFrameId id) {
-  const auto observations = atlas_.at(id).observations;  // shared: edits may move the keyframe
-  const Features& f = observations->features;
+  const auto features = atlas_.at(id).shared_features;  // shared: edits may move the keyframe
+  const Features& f = *features;
   std::vector<int> order;
   for (int i = 0; i < static_cast<int>(f.size()); ++i) {
     if (f.has_depth(static_cast<std::size_t>(i))) order.push_back(i);

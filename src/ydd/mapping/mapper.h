@@ -15,7 +15,7 @@
 #include "ydd/mapping/cull.h"
 #include "ydd/mapping/local_bundle.h"
 #include "ydd/mapping/triangulate.h"
-#include "ydd/tracking/tracker.h"
+#include "ydd/matching/keyframe_candidate.h"
 
 namespace ydd {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "ydd/tracking/projection_search.h"
+#include "ydd/matching/projection_search.h"
 
 namespace ydd {
 

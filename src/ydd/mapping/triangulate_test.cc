@@ -41,7 +41,7 @@ struct HalfKnown {
     return out;
   }
   /// World point behind a sighting.
-  std::size_t shown(const Sighting& s) const {
+  std::size_t shown(const Observation& s) const {
     const std::size_t view = s.keyframe == built.keyframes[0] ? 0 : 1;
     return static_cast<std::size_t>(views[view].shown[static_cast<std::size_t>(s.keypoint)]);
   }
@@ -50,7 +50,7 @@ struct HalfKnown {
   }
   double error_m(MapPointId id) const {
     const MapPoint& point = built.atlas.at(id);
-    return (point.p_world - world.p_world[shown(point.sightings.front())]).norm();
+    return (point.p_world - world.p_world[shown(point.observations.front())]).norm();
   }
 };
 
@@ -66,8 +66,8 @@ TEST(Triangulate, ExactPixelsGiveExactPoints) {
   EXPECT_GT(created.size(), 60U);
   for (const MapPointId id : created) {
     const MapPoint& point = half.built.atlas.at(id);
-    ASSERT_EQ(point.sightings.size(), 2U);
-    EXPECT_EQ(half.shown(point.sightings[0]), half.shown(point.sightings[1]));
+    ASSERT_EQ(point.observations.size(), 2U);
+    EXPECT_EQ(half.shown(point.observations[0]), half.shown(point.observations[1]));
     EXPECT_LT(half.error_m(id), 0.001);
   }
   EXPECT_THAT(half.built.atlas.check_consistency(), testing::IsEmpty());

@@ -12,7 +12,7 @@
 #include "ydd/base/files.h"
 #include "ydd/base/temporary_folder_testing.h"
 #include "ydd/map/map_dump.h"
-#include "ydd/map/map_file.h"
+#include "ydd/map_files/map_file.h"
 #include "ydd/system/merge_maps.h"
 #include "ydd/system/picture_testing.h"
 #include "ydd/system/slam_system.h"

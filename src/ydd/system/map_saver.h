@@ -8,7 +8,7 @@
 
 #include "ydd/base/channel.h"
 #include "ydd/base/timing.h"
-#include "ydd/map/map_file.h"
+#include "ydd/map_files/map_file.h"
 
 namespace ydd {
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "ydd/map/map_dump.h"
-#include "ydd/mapping/mapping_testing.h"
+#include "ydd/system/walk_testing.h"
 
 namespace ydd {
 namespace {
@@ -104,7 +104,7 @@ TEST(ThreadedMapping, OtherThreadsMayReadTheMapMeanwhile) {
   std::jthread reader([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       runner->atlas()->points().for_each([&](MapPointId, const MapPoint& p) {
-        EXPECT_FALSE(p.sightings.empty());
+        EXPECT_FALSE(p.observations.empty());
         ++seen;
       });
       std::this_thread::yield();

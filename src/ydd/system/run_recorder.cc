@@ -105,16 +105,16 @@ void RunRecorder::add(const FrameReport& report, const MapSize& map) {
     lost_.push_back({report.index, report.index});
   }
   requested_.push_back(report.requested);
-  kept_.push_back(static_cast<double>(report.observations->features.size()));
-  const auto rules = count_rules(*report.observations);
+  kept_.push_back(static_cast<double>(report.filtered->kept->size()));
+  const auto rules = count_rules(*report.filtered);
   for (std::size_t i = 0; i < rules.size(); ++i) rules_[i] += rules[i];
   for (const StageTime& t : report.times) {
     stages_[t.stage].wall_ms.push_back(t.wall_ms);
     stages_[t.stage].cpu_ms.push_back(t.cpu_ms);
   }
   frames_.push_back({report.index, report.stamp, report.track.state, report.keyframe,
-                     report.requested, report.track.inliers, report.observations->features.size(),
-                     rules, map, report.times});
+                     report.requested, report.track.inliers, report.filtered->kept->size(), rules,
+                     map, report.times});
 }
 
 void RunRecorder::add_skipped(std::int64_t frame, const std::string& reason) {

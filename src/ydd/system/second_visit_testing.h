@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "ydd/loop/loop_testing.h"
-#include "ydd/mapping/mapping_testing.h"
 #include "ydd/system/mapping_runner.h"
+#include "ydd/system/walk_testing.h"
 
 /// A camera that is about to close a loop, for the tests of runners.
 namespace ydd::testing_world {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "ydd/base/guard.h"
-#include "ydd/map/map_file.h"
+#include "ydd/map/compatible.h"
 
 namespace ydd {
 namespace {
@@ -89,7 +89,8 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
   {
     StageTimer timer(report.times, "dynamics");
     report.judgement = judge_.judge(features, report.detections, frame.depth_m);
-    report.observations = std::make_shared<const Observations>(observe(features, report.judgement));
+    report.filtered =
+        std::make_shared<const FilteredFeatures>(filter_features(features, report.judgement));
   }
   if (auto r = track(frame, report); !r) return r.error();
   if (saver_) saver_->offer(atlas());
@@ -124,7 +125,7 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   TrackedFrame tracked;
   tracked.index = frame.index;
   tracked.stamp = frame.stamp;
-  tracked.observations = report.observations;
+  tracked.shared_features = report.filtered->kept;
   const RepeatedPictures::Verdict repeated = repeated_pictures_.look(frame);
   tracked.stale = repeated.stale;
   tracked.doubt = repeated.doubt;
@@ -134,7 +135,7 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   }
   {
     StageTimer timer(report.times, "grid");
-    tracked.grid = std::make_shared<const KeypointGrid>(report.observations->features, camera_);
+    tracked.grid = std::make_shared<const KeypointGrid>(*report.filtered->kept, camera_);
   }
   report.track = tracker_.track(std::move(tracked), *mapping_->atlas(), mapping_->idle());
   auto& times = report.track.times;

@@ -27,7 +27,7 @@ struct FrameReport {
   int requested = 0;  ///< features asked for
   Detections detections;
   Judgement judgement;
-  std::shared_ptr<const Observations> observations;
+  std::shared_ptr<const FilteredFeatures> filtered;
   std::vector<MapPointId> points;  ///< per kept keypoint
   StageTimes times;                ///< of this frame, in order; "total" last
 };

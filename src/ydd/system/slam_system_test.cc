@@ -52,7 +52,7 @@ TEST_P(System, FollowsTheCameraAndResolvesEveryFrame) {
     EXPECT_EQ(report->index, i);
     EXPECT_EQ(report->stamp, wall.stamp(i));
     EXPECT_EQ(report->track.state, TrackingState::tracking) << "frame " << i;
-    EXPECT_EQ(report->points.size(), report->observations->features.size());
+    EXPECT_EQ(report->points.size(), report->filtered->kept->size());
     EXPECT_FALSE(report->track.candidate.has_value());
     ASSERT_FALSE(report->times.empty());
     EXPECT_EQ(report->times.back().stage, "total");
@@ -104,7 +104,7 @@ TEST_P(System, TheVariantCanBeSwitchedBetweenFrames) {
   EXPECT_EQ(system.process(wall.frame(0))->judgement.rejected(), 0);
   system.set_variant(Variant::box);
   const Result<FrameReport> report = system.process(wall.frame(1));
-  EXPECT_GT(count_rules(*report->observations)[static_cast<std::size_t>(Rule::box)], 10);
+  EXPECT_GT(count_rules(*report->filtered)[static_cast<std::size_t>(Rule::box)], 10);
   system.reset();
   EXPECT_EQ(system.variant(), Variant::box);
   system.set_variant(Variant::off);
@@ -141,7 +141,7 @@ TEST_P(System, RejectedPointsNeverReachTheMap) {
     const Result<FrameReport> report = system.process(wall.frame(i));
     ASSERT_TRUE(report.ok());
     ASSERT_EQ(report->detections.size(), 1U);
-    rejected += static_cast<int>(report->observations->rejected.size());
+    rejected += static_cast<int>(report->filtered->rejected.size());
   }
   EXPECT_TRUE(system.finish());
   EXPECT_GT(rejected, 0);

@@ -77,7 +77,7 @@ TEST(ThreadedMapping, ClosesLoopsWhileOthersReadTheMap) {
   for (int i = 0; i < 40; ++i) {
     (void)visit.submit_next(*runner);
     runner->atlas()->points().for_each(
-        [](MapPointId, const MapPoint& p) { EXPECT_FALSE(p.sightings.empty()); });
+        [](MapPointId, const MapPoint& p) { EXPECT_FALSE(p.observations.empty()); });
   }
   EXPECT_TRUE(runner->finish(Ending::complete));
 }

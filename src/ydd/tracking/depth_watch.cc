@@ -52,10 +52,10 @@ void DepthWatch::learn(const Verdict& verdict) {
 }
 
 TrackedFrame colour_only(TrackedFrame frame) {
-  Observations without = *frame.observations;
-  std::fill(without.features.depth_m.begin(), without.features.depth_m.end(), 0.0F);
-  std::fill(without.features.right_px.begin(), without.features.right_px.end(), -1.0F);
-  frame.observations = std::make_shared<const Observations>(std::move(without));
+  Features without = frame.features();
+  std::fill(without.depth_m.begin(), without.depth_m.end(), 0.0F);
+  std::fill(without.right_px.begin(), without.right_px.end(), -1.0F);
+  frame.shared_features = std::make_shared<const Features>(std::move(without));
   return frame;
 }
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "ydd/matching/pose_from_matches.h"
 #include "ydd/tracking/doubt.h"
-#include "ydd/tracking/pose_from_matches.h"
 
 namespace ydd {
 

@@ -126,7 +126,7 @@ TrackResult Tracker::initialize(TrackedFrame frame) {
 
 bool Tracker::adopt_first_keyframe(const Atlas& atlas) {
   const KeyFrameId id = atlas.newest_keyframe();
-  if (!last_ || !id.valid() || atlas.at(id).observations != last_->observations) return false;
+  if (!last_ || !id.valid() || atlas.at(id).shared_features != last_->shared_features) return false;
   last_reference_ = id;
   T_reference_last_ = SE3();
   state_ = TrackingState::tracking;
@@ -139,7 +139,7 @@ void Tracker::refresh_last_frame(const Atlas& atlas) {
   // The mapper may have moved the reference, merged points, or made a keyframe of the last frame.
   const KeyFrameId newest = atlas.newest_keyframe();
   const KeyFrame& keyframe = atlas.at(newest);
-  if (keyframe.observations == last_->observations) {
+  if (keyframe.shared_features == last_->shared_features) {
     last_->points = keyframe.points;
     last_reference_ = newest;
     T_reference_last_ = SE3();
@@ -302,7 +302,7 @@ KeyframeSituation Tracker::situation(const Atlas& atlas, const TrackedFrame& fra
   const std::size_t proven = atlas.keyframes().size() <= 2 ? 1 : 2;
   for (const MapPointId id : atlas.at(result.reference).points) {
     const MapPoint* point = atlas.find(id);
-    if (point && point->sightings.size() >= proven) {
+    if (point && point->observations.size() >= proven) {
       ++s.reference_points;
     }
   }

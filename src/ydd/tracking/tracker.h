@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "ydd/base/timing.h"
+#include "ydd/matching/keyframe_candidate.h"
+#include "ydd/matching/pose_from_matches.h"
+#include "ydd/matching/relocalization.h"
 #include "ydd/tracking/depth_watch.h"
 #include "ydd/tracking/keyframe_policy.h"
-#include "ydd/tracking/pose_from_matches.h"
-#include "ydd/tracking/relocalization.h"
 
 namespace ydd {
 
@@ -41,21 +42,6 @@ struct TrackerOptions {
   int young_map_keyframes = 5;
   DoubtOptions doubt;
   void describe(OptionTable& table);
-};
-
-/// How often points should have been seen and were, since the last candidate.
-struct PointViews {
-  MapPointId point;
-  int visible = 0;
-  int found = 0;
-};
-
-/// A frame that the map should keep: everything the mapper needs, by value.
-struct KeyFrameCandidate {
-  TrackedFrame frame;
-  KeyFrameId reference;    ///< empty: it starts a new map
-  SE3 T_reference_camera;  ///< the pose to keep if the reference has moved meanwhile
-  std::vector<PointViews> views;
 };
 
 struct TrackResult {

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ydd/tracking/tracking_testing.h"
+#include "ydd/matching/matching_testing.h"
 
 namespace ydd {
 namespace {
@@ -31,7 +31,7 @@ class PlainMapper {
     KeyFrame keyframe;
     keyframe.frame_index = frame.index;
     keyframe.stamp = frame.stamp;
-    keyframe.observations = frame.observations;
+    keyframe.shared_features = frame.shared_features;
     keyframe.grid = frame.grid;
     keyframe.points = frame.points;
     keyframe.T_world_camera = frame.T_camera_world.inverse();

@@ -37,7 +37,7 @@ std::vector<Moving> moving_things(const FrameReport& report) {
         {{b.x0 - kBoxMargin_px, b.y0 - kBoxMargin_px, b.x1 + kBoxMargin_px, b.y1 + kBoxMargin_px},
          object.range ? widened(*object.range, kRangeMargin_m) : kAnyDepth});
   }
-  for (const RejectedPoint& p : report.observations->rejected) {
+  for (const RejectedPoint& p : report.filtered->rejected) {
     const auto [x, y] = std::pair(p.keypoint.x_px, p.keypoint.y_px);
     things.push_back(
         {{x - kNearRejected_px, y - kNearRejected_px, x + kNearRejected_px, y + kNearRejected_px},

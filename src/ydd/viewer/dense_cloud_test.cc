@@ -34,7 +34,8 @@ struct CloudScene {
     report.judgement.objects.push_back(person);
   }
   Vertices surface() {
-    report.observations = std::make_shared<const Observations>(Observations{{}, rejected});
+    report.filtered = std::make_shared<const FilteredFeatures>(
+        FilteredFeatures{std::make_shared<const Features>(), rejected});
     return static_surface(frame, report, wall.camera());
   }
 };
@@ -90,7 +91,7 @@ TEST(StaticSurface, NoReadingAndFarAwayAreLeftOut) {
   scene.frame = scene.wall.dark_frame(0);
   EXPECT_TRUE(scene.surface().empty());
   scene.frame = scene.wall.frame(0);
-  scene.report.observations = std::make_shared<const Observations>();
+  scene.report.filtered = std::make_shared<const FilteredFeatures>();
   EXPECT_TRUE(static_surface(scene.frame, scene.report, scene.wall.camera(), 5, 1.9).empty());
 }
 

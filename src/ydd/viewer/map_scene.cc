@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "ydd/viewer/live_truth.h"
+#include "ydd/live/live_truth.h"
 #include "ydd/viewer/world_up.h"
 
 namespace ydd {
@@ -45,7 +45,7 @@ void add_pyramid(Vertices& lines, const SE3& T_world_camera, double half_width, 
 }
 
 MapId map_of(const Atlas& atlas, const MapPoint& point) {
-  return point.sightings.empty() ? MapId{} : atlas.map_of(point.sightings.front().keyframe);
+  return point.observations.empty() ? MapId{} : atlas.map_of(point.observations.front().keyframe);
 }
 
 void add_points(const Atlas& atlas, MapId map, MapScene& scene) {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "ydd/viewer/live_control.h"
+#include "ydd/live/live_control.h"
 
 namespace ydd {
 

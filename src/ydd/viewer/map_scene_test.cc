@@ -43,7 +43,7 @@ struct Walk {
     keyframe.frame_index = i;
     keyframe.stamp = stamp(i);
     keyframe.T_world_camera = pose(i);
-    keyframe.observations = view.observations;
+    keyframe.shared_features = view.shared_features;
     keyframe.grid = view.grid;
     keyframe.points.resize(view.features().size());
     keyframes.push_back(atlas.add_keyframe(keyframe));

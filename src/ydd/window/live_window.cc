@@ -14,7 +14,7 @@
 #include "ydd/base/log.h"
 #include "ydd/base/timing.h"
 #include "ydd/image/encode.h"
-#include "ydd/viewer/annotate.h"
+#include "ydd/pictures/annotate.h"
 #include "ydd/viewer/window_layout.h"
 #include "ydd/window/glfw_window.h"
 #include "ydd/window/map_view.h"

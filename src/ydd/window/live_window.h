@@ -6,7 +6,7 @@
 #include <string>
 
 #include "ydd/base/result.h"
-#include "ydd/viewer/live_control.h"
+#include "ydd/live/live_control.h"
 
 namespace ydd {
 

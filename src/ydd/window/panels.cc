@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "ydd/viewer/annotate.h"
+#include "ydd/pictures/annotate.h"
 #include "ydd/window/charts.h"
 #include "ydd/window/style.h"
 
@@ -77,7 +77,7 @@ void draw_stages(const PanelFacts& facts, float width, int rows) {
 
 /// How many points each rule rejected in this frame; colours as in the picture.
 void draw_rules(const PanelFacts& facts, float width, int rows) {
-  const auto counts = count_rules(*facts.live->report->observations);
+  const auto counts = count_rules(*facts.live->report->filtered);
   std::vector<std::pair<int, Rule>> rules;
   for (std::size_t i = 1; i < counts.size(); ++i) {
     if (counts[i] > 0) rules.emplace_back(counts[i], static_cast<Rule>(i));

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ydd/viewer/live_control.h"
+#include "ydd/live/live_control.h"
 #include "ydd/viewer/map_scene.h"
 
 namespace ydd {

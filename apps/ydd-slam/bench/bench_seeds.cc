@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/bench_seeds.h"
+
+#include "ydd/base/files.h"
+#include "ydd/base/json_text.h"
+
+namespace ydd::app {
+
+WorldOptions walk_world(const SeedRequest& request, int seed, int rooms) {
+  WorldOptions world;
+  world.seed = seed;
+  world.rooms = rooms;
+  world.path = "room_loop";
+  world.depth = "kinect";
+  world.width_px = request.width_px;
+  world.height_px = request.width_px * 3 / 4;
+  world.fps = request.fps;
+  world.threads = 0;
+  world.edge_samples = 1;  // half the time, and nobody looks at these pictures
+  return world;
+}
+
+bool is_wanted(const SeedRequest& request, const std::string& name) {
+  return name.find(request.only) != std::string::npos;
+}
+
+Result<std::string> table_and_json(std::string table, const nlohmann::ordered_json& json,
+                                   const SeedRequest& request) {
+  if (!request.out.empty()) {
+    if (auto r = write_file_atomically(request.out, json_text(json, 2) + "\n"); !r)
+      return r.error();
+  }
+  return table;
+}
+
+}  // namespace ydd::app

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "map/map_info.h"
+#include "map/map_jobs.h"
+#include "ydd/base/files.h"
+#include "ydd/base/log.h"
+#include "ydd/cloud/ply.h"
+#include "ydd/dataset/trajectory.h"
+#include "ydd/map_files/map_file.h"
+#include "ydd/system/merge_maps.h"
+#include "ydd/system/system_options.h"
+
+namespace ydd::app {
+namespace {
+
+/// The map that is asked for, or the largest.
+Result<MapInfo> choose(const Atlas& atlas, const MapExportRequest& request) {
+  const std::vector<MapInfo> maps = describe_maps(atlas);
+  if (maps.empty()) return Error{fmt::format("{}: holds no keyframe", request.file)};
+  if (request.which < 0) {
+    if (maps.size() > 1) {
+      log::warning("{}: holds {} maps; number {}, the largest, is taken (--which chooses)",
+                   request.file, maps.size(), maps.front().map.slot);
+    }
+    return maps.front();
+  }
+  for (const MapInfo& map : maps) {
+    if (map.map.slot == static_cast<std::uint32_t>(request.which)) return map;
+  }
+  return Error{fmt::format("{}: holds no map number {}; 'ydd-slam map info' lists them",
+                           request.file, request.which)};
+}
+
+Result<void> export_keyframes(const Atlas& atlas, MapId map, const std::string& file) {
+  StampedPoses poses;
+  atlas.keyframes().for_each([&](KeyFrameId, const KeyFrame& keyframe) {
+    if (keyframe.map == map) poses.push_back({keyframe.stamp, keyframe.T_world_camera});
+  });
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+  return write_file_atomically(file, format_trajectory(poses, TrajectoryFormat::tum));
+}
+
+Result<void> export_dense(const Atlas& atlas, MapId map, const MapExportRequest& request) {
+  const Result<std::vector<CloudPoint>> cloud = dense_cloud(atlas, map, request.cloud);
+  if (!cloud) return Error{fmt::format("{}: {}", request.file, cloud.error().message)};
+  return write_file_atomically(request.dense, format_ply(*cloud));
+}
+
+/// Options of back end and loops as `run` would have them.
+Result<SystemOptions> merge_options(const MapMergeRequest& request) {
+  SystemOptions options;
+  OptionTable table;
+  options.describe(table);
+  if (!request.config.empty()) {
+    if (auto r = table.load_yaml(request.config); !r) return r.error();
+  }
+  for (const std::string& assignment : request.set) {
+    if (auto r = table.set_assignment(assignment, "--set"); !r) return r.error();
+  }
+  return options;
+}
+
+}  // namespace
+
+Result<void> map_export(const MapExportRequest& request) {
+  const Result<Atlas> atlas = load_map(request.file);
+  if (!atlas) return atlas.error();
+  const Result<MapInfo> chosen = choose(*atlas, request);
+  if (!chosen) return chosen.error();
+  const bool needs_pictures = !request.dense.empty() || !request.octomap.empty();
+  if (needs_pictures && chosen->pictures == 0) {
+    return Error{fmt::format("{}: its keyframes keep no pictures; record with map.pictures=true",
+                             request.file)};
+  }
+  const auto write = [&](const std::string& file, auto&& make) -> Result<void> {
+    if (file.empty()) return {};
+    if (auto r = make(); !r) return r;
+    fmt::print("wrote {}\n", file);
+    return {};
+  };
+  auto done = write(request.sparse, [&] {
+    return write_file_atomically(request.sparse, format_sparse_ply(*atlas, chosen->map));
+  });
+  if (done) {
+    done = write(request.keyframes,
+                 [&] { return export_keyframes(*atlas, chosen->map, request.keyframes); });
+  }
+  if (done) {
+    done = write(request.dense, [&] { return export_dense(*atlas, chosen->map, request); });
+  }
+  if (done) {
+    done = write(request.octomap, [&] { return export_octomap(*atlas, chosen->map, request); });
+  }
+  return done;
+}
+
+Result<void> map_merge(const MapMergeRequest& request) {
+  const Result<SystemOptions> options = merge_options(request);
+  if (!options) return options.error();
+  const Result<Atlas> first = load_map(request.first);
+  if (!first) return first.error();
+  const Result<Atlas> second = load_map(request.second);
+  if (!second) return second.error();
+  const Result<MergedMaps> merged = merge_maps(*first, *second, options->mapping, options->loop);
+  if (!merged) {
+    return Error{
+        fmt::format("{} and {}: {}", request.first, request.second, merged.error().message)};
+  }
+  if (auto r = save_map(merged->atlas, request.out,
+                        request.replace_map ? Replacing::anything : Replacing::lesser);
+      !r)
+    return r;
+  for (const Weld& weld : merged->welds) {
+    fmt::print("welded map {} onto map {} ({} points agree)\n", weld.map.slot, weld.into.slot,
+               weld.points);
+  }
+  if (merged->separate > 0) {
+    fmt::print("no common place found for {} of the second file's maps: kept beside the others\n",
+               merged->separate);
+  }
+  fmt::print("{}: {} keyframes, {} points\n", request.out, merged->atlas.keyframes().size(),
+             merged->atlas.points().size());
+  return {};
+}
+
+}  // namespace ydd::app

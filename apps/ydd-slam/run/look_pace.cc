@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/look_pace.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "run/run_pace.h"
+#include "ydd/base/guard.h"
+#include "ydd/base/timing.h"
+
+namespace ydd::app {
+namespace {
+
+constexpr const char* kEveryFrame = "every-frame";
+constexpr const char* kAsynchronous = "asynchronous";
+
+/// Whether looking keeps up. It shares the interval with nobody on two cores, with tracking on one.
+bool keeps_pace(const LookPace& pace, int cores) {
+  const double share = cores > 1 ? 0.8 : 0.4;
+  return pace.look_ms <= share * pace.interval_ms;
+}
+
+}  // namespace
+
+std::optional<LookPace> measure_look(Detector& detector, const Sequence& sequence,
+                                     const Camera& camera) {
+  if (sequence.size() < 2) return std::nullopt;
+  const Result<RgbdFrame> frame = sequence.read(0, camera);
+  if (!frame) return std::nullopt;
+  LookPace pace{0, 1e3 * median_gap_s(sequence)};
+  for (int i = 0; i < 2; ++i) {  // the first may still allocate
+    const std::int64_t start_ns = wall_clock_ns();
+    if (!guarded("detector", [&] { return detector.detect(*frame); })) return std::nullopt;
+    const double took_ms = 1e-6 * static_cast<double>(wall_clock_ns() - start_ns);
+    pace.look_ms = i == 0 ? took_ms : std::min(pace.look_ms, took_ms);
+  }
+  return pace;
+}
+
+DetectChoice choose_detect_mode(const std::string& mode, const LookPace& pace, bool realtime,
+                                int cores) {
+  if (keeps_pace(pace, cores)) return {kEveryFrame, ""};
+  const std::string fact = fmt::format("a look takes {:.0f} ms and a picture comes every {:.0f} ms",
+                                       pace.look_ms, pace.interval_ms);
+  if (realtime && mode == "auto") {
+    return {kAsynchronous, fact + ": tracking does not wait for boxes (--detect asynchronous)"};
+  }
+  if (realtime) {
+    return {kEveryFrame, fact + ": pictures will be dropped; --detect asynchronous does not wait"};
+  }
+  return {kEveryFrame,
+          fact +
+              ": this run is slower than the camera; quicker are --detect asynchronous or smaller "
+              "pictures for the network (--detector-set 'networks.*.input.width=320')"};
+}
+
+}  // namespace ydd::app

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/run_job.h"
+
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/default_detector.h"
+#include "run/look_pace.h"
+#include "run/run_configuration.h"
+#include "run/run_folder.h"
+#include "run/run_map.h"
+#include "run/run_results.h"
+#include "run/run_watch.h"
+#include "ydd/base/cores.h"
+#include "ydd/base/log.h"
+#include "ydd/base/timing.h"
+
+namespace ydd::app {
+namespace {
+
+/// Everything that a run reads, opened and checked before anything is computed.
+struct Inputs {
+  Configuration configuration;
+  RunRequest request;  ///< with the detector that it means
+  Sequence sequence;
+  ObjectCatalogue catalogue;
+  std::unique_ptr<Detector> detector;  ///< null: none
+  std::optional<Atlas> map;
+};
+
+/// Images without a partner are told: they are not part of the run.
+void tell_pairing(const Sequence& sequence, const SequenceOptions& options) {
+  const std::optional<Pairing>& pairing = sequence.pairing();
+  if (!pairing) return;
+  log::info("{} pairs of {} colour and {} depth images", pairing->pairs, pairing->colour_images,
+            pairing->depth_images);
+  if (options.depth_offset == "auto") {
+    log::info("depth offset found in the pictures: {:.4f} s", pairing->depth_offset_s);
+  }
+  const std::string warning = pairing_warning(*pairing, options.max_difference_s);
+  if (!warning.empty()) log::warning("{}: {}", sequence.folder().string(), warning);
+}
+
+Result<Inputs> open_inputs(const RunRequest& asked) {
+  if (auto r = check_watchers(asked); !r) return r.error();
+  Result<Configuration> configuration = effective_configuration(asked);
+  if (!configuration) return configuration.error();
+  Result<Sequence> sequence = Sequence::open(asked.sequence, configuration->sequence);
+  if (!sequence) return sequence.error();
+  Result<RunRequest> request = with_detector(asked, configuration->options.dynamics.variant);
+  if (!request) return request.error();
+  Result<ObjectCatalogue> catalogue = run_catalogue(*request);
+  if (!catalogue) return catalogue.error();
+  Result<std::unique_ptr<Detector>> detector = make_run_detector(*request, *catalogue);
+  if (!detector) {
+    const bool by_default = asked.detector.empty() && asked.detections.empty();
+    if (!by_default) return detector.error();
+    return Error{detector.error().message + " (" + default_detector_origin() + ")"};
+  }
+  Result<std::optional<Atlas>> map =
+      open_run_map(*request, configuration->camera, configuration->options);
+  if (!map) return map.error();
+  return Inputs{*std::move(configuration), *std::move(request),  *std::move(sequence),
+                *std::move(catalogue),     *std::move(detector), *std::move(map)};
+}
+
+/// Replaces detect.mode "auto". Runs of equal bytes do not depend on how quick a machine is.
+void settle_detect_mode(Inputs& inputs) {
+  SystemOptions& options = inputs.configuration.options;
+  if (options.detect.asynchronous()) return;
+  const bool looks = inputs.detector != nullptr && !inputs.request.detector.empty();
+  if (!looks || options.deterministic) {
+    if (options.detect.mode == "auto") options.detect.mode = "every-frame";
+    return;
+  }
+  const std::optional<LookPace> pace =
+      measure_look(*inputs.detector, inputs.sequence, inputs.configuration.camera);
+  const DetectChoice choice = choose_detect_mode(options.detect.mode, pace.value_or(LookPace{}),
+                                                 inputs.request.realtime, available_cores());
+  options.detect.mode = choice.mode;
+  if (!choice.message.empty()) log::info("{}", choice.message);
+}
+
+/// One line of all that went wrong; empty: nothing did.
+std::string joined(const std::string& a, const std::string& b) {
+  return a.empty() || b.empty() ? a + b : a + "; " + b;
+}
+
+RunOutcome outcome_of(const RunResults& results, const std::string& write_failures) {
+  const RunRecorder& recorder = results.listeners.recorder;
+  std::string failure = joined(results.end.failure, results.listeners.pictures_failure);
+  return {results.folder,
+          results.summary,
+          recorder.timings_json(results.system),
+          results.system.trajectory(),
+          results.sequence.groundtruth_file(),
+          results.system.atlas(),
+          recorder.processed(),
+          recorder.tracked(),
+          results.end.incomplete,
+          joined(failure, write_failures)};
+}
+
+}  // namespace
+
+Result<RunOutcome> run_sequence(const RunRequest& asked) {
+  Result<Inputs> inputs = open_inputs(asked);
+  if (!inputs) return inputs.error();
+  const RunRequest& request = inputs->request;
+  const Camera& camera = inputs->configuration.camera;
+  Result<RunFolder> folder = RunFolder::make(request.out, inputs->sequence.name());
+  if (!folder) return folder.error();
+  Listeners listeners;
+  auto pictures = RunPictures::open(request, camera, inputs->catalogue);
+  if (!pictures) return pictures.error();
+  listeners.pictures = *std::move(pictures);
+
+  tell_pairing(inputs->sequence, inputs->configuration.sequence);
+  settle_detect_mode(*inputs);
+  const bool has_detector = inputs->detector != nullptr;
+  SlamSystem system(camera, inputs->configuration.options, inputs->catalogue,
+                    std::move(inputs->detector), std::move(inputs->map));
+  if (auto r = prepare_run_map(request, system); !r) return r.error();
+  const std::int64_t start_ns = wall_clock_ns();
+  const FeedInput input{inputs->sequence, camera, request, inputs->catalogue};
+  const Result<FeedEnd> end = feed_watched(input, system, listeners, has_detector, folder->path());
+  if (!end) return end.error();
+  if (listeners.recorder.processed() == 0) {  // there is nothing to write
+    return Error{end->failure.empty() ? end->incomplete : end->failure};
+  }
+  const double wall_s = static_cast<double>(wall_clock_ns() - start_ns) * 1e-9;
+
+  RunResults results{request,
+                     inputs->configuration,
+                     inputs->sequence,
+                     inputs->catalogue,
+                     system,
+                     listeners,
+                     *end,
+                     folder->path(),
+                     {}};
+  results.summary = summary_of(results, has_detector, wall_s);
+  Attempts attempts;
+  write_results(results, attempts);
+  folder->keep();
+  return outcome_of(results, attempts.failures());
+}
+
+Result<RunOutcome> run_whole_sequence(const RunRequest& request) {
+  Result<RunOutcome> outcome = run_sequence(request);
+  if (!outcome) return outcome;
+  if (!outcome->failure.empty()) return Error{outcome->failure};
+  if (!outcome->incomplete.empty()) return Error{outcome->incomplete};
+  return outcome;
+}
+
+}  // namespace ydd::app

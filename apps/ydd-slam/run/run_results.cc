@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/run_results.h"
+
+#include <exception>
+#include <map>
+#include <new>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <Eigen/Core>
+#include <opencv2/core/version.hpp>
+
+#include "run/moment_files.h"
+#include "run/run_map.h"
+#include "run/run_report.h"
+#include "ydd/base/files.h"
+#include "ydd/map/map_dump.h"
+
+namespace ydd::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::map<std::string, std::string> library_versions() {
+  return {{"Eigen",
+           fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+          {"OpenCV", CV_VERSION},
+          {"compiler", __VERSION__}};
+}
+
+Result<void> write_other_format(const RunResults& results, const StampedPoses& trajectory) {
+  const std::string& name = results.request.trajectory_format;
+  const auto format = parse_trajectory_format(name);
+  if (!format) return Error{"--trajectory-format: must be tum, kitti or euroc"};
+  if (*format == TrajectoryFormat::tum) return {};
+  return write_trajectory(results.folder / fmt::format("trajectory.{}.txt", name), trajectory,
+                          *format);
+}
+
+void write_data(const RunResults& results, Attempts& attempts) {
+  const SlamSystem& system = results.system;
+  const RunRecorder& recorder = results.listeners.recorder;
+  const StampedPoses trajectory = system.trajectory();
+  const auto write = [&](const char* name, const std::function<std::string()>& content) {
+    attempts.attempt([&] { return write_file_atomically(results.folder / name, content()); });
+  };
+  write("trajectory.tum", [&] { return format_trajectory(trajectory, TrajectoryFormat::tum); });
+  write("keyframes.tum",
+        [&] { return format_trajectory(system.keyframe_trajectory(), TrajectoryFormat::tum); });
+  write("config.yaml", [&] { return results.configuration.to_yaml(); });
+  write("frames.json", [&] { return recorder.frames_json(); });
+  write("timings.json", [&] { return recorder.timings_json(system); });
+  write("summary.json", [&] { return results.summary; });
+  attempts.attempt([&] { return write_other_format(results, trajectory); });
+  if (results.request.dump_map) write("map.txt", [&] { return dump_map(*system.atlas()); });
+}
+
+/// The pictures of key moments, and the page with everything.
+Result<void> write_report(const RunResults& results) {
+  const Sequence& sequence = results.sequence;
+  const auto read_colour = [&](std::int64_t frame) -> Result<ColourImage> {
+    const auto read = sequence.read(static_cast<std::size_t>(frame), results.configuration.camera);
+    if (!read) return read.error();
+    return read->colour;
+  };
+  const SlamSystem& system = results.system;
+  const auto pictures = results.listeners.moments.draw(
+      results.catalogue, system.mapping_reports().loops, *system.atlas(), read_colour);
+  if (auto r = write_moments(results.folder, pictures); !r) return r;
+  RunReportData data = read_run(results.folder);
+  data.trajectory = system.trajectory();
+  if (const auto& file = sequence.groundtruth_file()) add_groundtruth(*file, data);
+  return write_run_report(data, results.folder / "report.html");
+}
+
+}  // namespace
+
+void Attempts::attempt(const std::function<Result<void>()>& step) {
+  try {
+    if (const Result<void> r = step(); !r) failures_.push_back(r.error().message);
+  } catch (const std::bad_alloc&) {
+    failures_.emplace_back("out of memory while results were written");
+  } catch (const std::exception& e) {
+    failures_.push_back(fmt::format("internal: {}", e.what()));
+  }
+}
+
+std::string Attempts::failures() const { return fmt::format("{}", fmt::join(failures_, "; ")); }
+
+std::string summary_of(const RunResults& results, bool has_detector, double wall_s) {
+  const RunRequest& request = results.request;
+  const SystemOptions& options = results.configuration.options;
+  RunDescription run{results.sequence.name(),
+                     has_detector ? options.dynamics.variant : "off",
+                     request.detector + request.detections,  // one is empty
+                     options.deterministic,
+                     request.realtime,
+                     options.tracking.relocalization.seed};
+  if (const auto& file = results.sequence.groundtruth_file()) {
+    run.groundtruth = fs::absolute(*file).lexically_normal().string();
+  }
+  run.pairing = results.sequence.pairing();
+  run.incomplete = results.end.incomplete;
+  run.versions = library_versions();
+  return results.listeners.recorder.summary_json(run, results.system, wall_s);
+}
+
+void write_results(const RunResults& results, Attempts& attempts) {
+  write_data(results, attempts);
+  if (results.listeners.pictures) {
+    attempts.attempt([&] { return results.listeners.pictures->finish(); });
+  }
+  const bool tracked = results.listeners.recorder.tracked() > 0;
+  // A map of nothing replaces none.
+  if (tracked) attempts.attempt([&] { return save_run_map(results.request, results.system); });
+  attempts.attempt([&] { return write_report(results); });
+}
+
+}  // namespace ydd::app

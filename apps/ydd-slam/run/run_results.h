@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "run/run_configuration.h"
+#include "run/run_feed.h"
+
+namespace ydd::app {
+
+/// What is written of a run that has ended.
+struct RunResults {
+  const RunRequest& request;
+  const Configuration& configuration;
+  const Sequence& sequence;
+  const ObjectCatalogue& catalogue;
+  SlamSystem& system;
+  Listeners& listeners;
+  const FeedEnd& end;
+  std::filesystem::path folder;
+  std::string summary;
+};
+
+/// Collects what could not be written: whatever fails, the next result is still tried.
+class Attempts {
+ public:
+  /// An exception counts as a failure.
+  void attempt(const std::function<Result<void>()>& step);
+  /// All in one line; empty: none failed.
+  std::string failures() const;
+
+ private:
+  std::vector<std::string> failures_;
+};
+
+std::string summary_of(const RunResults& results, bool has_detector, double wall_s);
+
+/// Trajectory first, then what explains it, the map, and last the report with its pictures: what
+/// is worth most is written before what may fail.
+void write_results(const RunResults& results, Attempts& attempts);
+
+}  // namespace ydd::app

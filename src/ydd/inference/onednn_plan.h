@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ydd/inference/layers.h"
+#include "ydd/inference/network.h"
+
+namespace ydd {
+
+bool onednn_has_bfloat16();        ///< with AVX-512
+bool onednn_has_quick_bfloat16();  ///< with AMX; without it 32-bit floats are quicker
+
+/// A network made ready for one shape of input: kernels chosen, weights laid out once, one block of
+/// memory in which values take the place of those that nobody needs any longer.
+///
+/// Feature maps lie channels last ({1, rows, columns, channels}): the layout for which oneDNN has
+/// AMX kernels; with 32-bit floats it costs a few per cent against blocked layouts (ADR 7).
+class OnednnPlan {
+ public:
+  /// Keeps nothing of `graph`. @throws std::exception when shapes do not fit each other.
+  OnednnPlan(const LayerGraph& graph, const std::vector<int>& input_shape, bool bfloat16,
+             int threads);
+  ~OnednnPlan();
+  OnednnPlan(const OnednnPlan&) = delete;
+  OnednnPlan& operator=(const OnednnPlan&) = delete;
+
+  /// All outputs, valid until the next call.
+  std::vector<Tensor> run(const Tensor& input);
+
+  /// Which implementation oneDNN runs for each of its primitives, in their order ("jit:avx2").
+  const std::vector<std::string>& implementations() const;
+
+ private:
+  struct Parts;
+  int threads_;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace ydd

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <exception>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "ydd/inference/layers.h"
+#include "ydd/inference/network_backends.h"
+
+#ifdef YDD_WITH_ONEDNN
+#include "ydd/inference/onednn_plan.h"
+
+namespace ydd {
+namespace {
+
+/// Keeps a plan for the newest shape of input: a detector has one.
+class OnednnSession : public InferenceSession {
+ public:
+  OnednnSession(LayerGraph graph, bool bfloat16, int threads)
+      : graph_(std::move(graph)), bfloat16_(bfloat16), threads_(threads) {}
+
+  Result<std::vector<Tensor>> run(const Tensor& input) override {
+    try {
+      if (!plan_ || input.shape != shape_) {
+        plan_.reset();
+        plan_ = std::make_unique<OnednnPlan>(graph_, input.shape, bfloat16_, threads_);
+        shape_ = input.shape;
+      }
+      return plan_->run(input);
+    } catch (const std::exception& e) {  // dnnl::error among them
+      return Error{
+          fmt::format("cannot take an input of {}: {}", format_shape(input.shape), e.what())};
+    }
+  }
+
+ private:
+  LayerGraph graph_;
+  bool bfloat16_;
+  int threads_;
+  std::vector<int> shape_;
+  std::unique_ptr<OnednnPlan> plan_;
+};
+
+}  // namespace
+
+SessionResult make_onednn_session(std::string_view onnx, const InferenceOptions& options) {
+  if (options.precision == "float16") return Error{"precision float16 needs 'device: cuda'"};
+  if (options.precision == "bfloat16" && !onednn_has_bfloat16()) {
+    return Error{"precision bfloat16 needs a processor with AVX-512"};
+  }
+  Result<OnnxGraph> graph = read_onnx(onnx);
+  if (!graph) return Error{"oneDNN cannot load it: " + graph.error().message};
+  Result<LayerGraph> layers = make_layers(std::move(*graph));
+  if (!layers) return Error{"oneDNN cannot load it: " + layers.error().message};
+  const bool bfloat16 = options.precision == "bfloat16" ||
+                        (options.precision == "auto" && onednn_has_quick_bfloat16());
+  return std::unique_ptr<InferenceSession>(
+      std::make_unique<OnednnSession>(std::move(*layers), bfloat16, options.threads));
+}
+
+}  // namespace ydd
+
+#else
+
+namespace ydd {
+SessionResult make_onednn_session(std::string_view, const InferenceOptions&) {
+  return Error{"this build has no oneDNN 2 (Debian package libdnnl-dev); use 'backend: opencv'"};
+}
+}  // namespace ydd
+
+#endif

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/map_files/database.h"
+
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "ydd/map_files/map_bytes.h"
+
+namespace ydd::map_format {
+namespace {
+
+/// Steps of SQLite's machine that reading a map can need: a few for each row and page. Whatever
+/// takes more was made to take for ever.
+constexpr std::int64_t kStepsPerByte = 20;
+constexpr std::int64_t kStepsOfAnyMap = 20'000'000;
+constexpr int kStepsPerCall = 10'000;
+
+constexpr int kPatience_ms = 10'000;  // for a reader to let the writer commit, and vice versa
+
+Value cell(sqlite3_stmt& statement, int column) {
+  switch (sqlite3_column_type(&statement, column)) {
+    case SQLITE_INTEGER:
+      return sqlite3_column_int64(&statement, column);
+    case SQLITE_BLOB: {
+      const void* const data = sqlite3_column_blob(&statement, column);
+      const int size = sqlite3_column_bytes(&statement, column);
+      return data ? std::string(static_cast<const char*>(data), static_cast<std::size_t>(size))
+                  : std::string();
+    }
+    default:
+      throw Fault("a cell of the wrong type");
+  }
+}
+
+Row row_of(sqlite3_stmt& statement, int columns) {
+  Row row;
+  row.key = sqlite3_column_int64(&statement, 0);
+  for (int i = 1; i <= columns; ++i) row.values.push_back(cell(statement, i));
+  return row;
+}
+
+int bind(sqlite3_stmt& statement, int index, const Value& value) {
+  if (const auto* const number = std::get_if<std::int64_t>(&value)) {
+    return sqlite3_bind_int64(&statement, index, *number);
+  }
+  const std::string& bytes = std::get<std::string>(value);
+  return sqlite3_bind_blob64(&statement, index, bytes.data(), bytes.size(), SQLITE_STATIC);
+}
+
+}  // namespace
+
+std::int64_t Row::integer(std::size_t i) const {
+  const auto* const value = std::get_if<std::int64_t>(&values.at(i));
+  if (!value) throw Fault("a cell of the wrong type");
+  return *value;
+}
+
+std::uint32_t Row::number(std::size_t i, std::uint32_t largest) const {
+  const std::int64_t value = integer(i);
+  if (value < 0 || value > largest) throw Fault("a number that is too large");
+  return static_cast<std::uint32_t>(value);
+}
+
+const std::string& Row::bytes(std::size_t i) const {
+  const auto* const value = std::get_if<std::string>(&values.at(i));
+  if (!value) throw Fault("a cell of the wrong type");
+  return *value;
+}
+
+std::uint64_t checksum_of(const TableShape& table, const Row& row) {
+  Checksum sum;
+  sum.add(std::string_view(table.name));
+  sum.add(static_cast<std::uint64_t>(row.key));
+  for (const Value& value : row.values) {
+    if (const auto* const number = std::get_if<std::int64_t>(&value)) {
+      sum.add(static_cast<std::uint64_t>(*number));
+    } else {
+      sum.add(std::string_view(std::get<std::string>(value)));
+    }
+  }
+  return sum.value();
+}
+
+void Database::Close::operator()(sqlite3* connection) const { sqlite3_close_v2(connection); }
+void Database::Close::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+
+int Database::count_steps(void* steps_left) {
+  auto& left = *static_cast<std::int64_t*>(steps_left);
+  left -= kStepsPerCall;
+  return left < 0 ? 1 : 0;
+}
+
+/// A file of others is read with these on: nothing in it is followed, and none of its rows can be
+/// larger than the file.
+void Database::distrust(const std::filesystem::path& file) {
+  std::error_code unknown;
+  const std::uintmax_t told = std::filesystem::file_size(file, unknown);
+  const std::int64_t size =
+      unknown ? 0 : static_cast<std::int64_t>(std::min<std::uintmax_t>(told, INT64_MAX / 64));
+  sqlite3* const connection = connection_.get();
+  constexpr std::int64_t kLeast = 1'000'000;
+  constexpr std::int64_t kMost = 1'000'000'000;
+  sqlite3_limit(connection, SQLITE_LIMIT_LENGTH, static_cast<int>(std::clamp(size, kLeast, kMost)));
+  sqlite3_limit(connection, SQLITE_LIMIT_SQL_LENGTH, 100'000);
+  sqlite3_limit(connection, SQLITE_LIMIT_COLUMN, 64);
+  sqlite3_limit(connection, SQLITE_LIMIT_EXPR_DEPTH, 64);
+  sqlite3_limit(connection, SQLITE_LIMIT_COMPOUND_SELECT, 8);
+  sqlite3_limit(connection, SQLITE_LIMIT_TRIGGER_DEPTH, 1);
+  sqlite3_limit(connection, SQLITE_LIMIT_ATTACHED, 0);
+  steps_left_ = std::make_unique<std::int64_t>(kStepsOfAnyMap + kStepsPerByte * size);
+  sqlite3_progress_handler(connection, kStepsPerCall, &count_steps, steps_left_.get());
+}
+
+Database::Database(const std::filesystem::path& file, Mode mode) {
+  const int access = mode == Mode::read    ? SQLITE_OPEN_READONLY
+                     : mode == Mode::write ? SQLITE_OPEN_READWRITE
+                                           : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  sqlite3* connection = nullptr;
+  const int opened = sqlite3_open_v2(file.c_str(), &connection, access, nullptr);
+  connection_.reset(connection);
+  if (opened != SQLITE_OK) fail();
+  sqlite3_extended_result_codes(connection, 1);
+  sqlite3_busy_timeout(connection, kPatience_ms);
+  sqlite3_db_config(connection, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  if (mode == Mode::read) distrust(file);
+  run("PRAGMA trusted_schema = OFF");  // no function is called for what a file's schema asks
+  run("PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0");
+  if (mode == Mode::read) run("PRAGMA query_only = ON");
+  if (mode == Mode::write) run("PRAGMA journal_mode = DELETE; PRAGMA synchronous = FULL");
+  if (mode == Mode::create) run("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF");
+}
+
+void Database::fail() {
+  throw Fault(connection_ ? sqlite3_errmsg(connection_.get()) : "out of memory");
+}
+
+void Database::run(const std::string& sql) {
+  if (sqlite3_exec(connection_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
+}
+
+Database::Statement Database::prepare(const std::string& sql) {
+  sqlite3_stmt* statement = nullptr;
+  if (sqlite3_prepare_v2(connection_.get(), sql.c_str(), -1, &statement, nullptr) != SQLITE_OK) {
+    fail();
+  }
+  return Statement(statement);
+}
+
+sqlite3_stmt& Database::prepared(const std::string& sql) {
+  auto found = statements_.find(sql);
+  if (found == statements_.end()) found = statements_.emplace(sql, prepare(sql)).first;
+  return *found->second;
+}
+
+void Database::finish(sqlite3_stmt& statement) {
+  const int stepped = sqlite3_step(&statement);
+  sqlite3_reset(&statement);
+  sqlite3_clear_bindings(&statement);
+  if (stepped != SQLITE_DONE) fail();
+}
+
+std::int64_t Database::number(const std::string& sql) {
+  const Statement statement = prepare(sql);
+  if (sqlite3_step(statement.get()) != SQLITE_ROW) fail();
+  return sqlite3_column_int64(statement.get(), 0);
+}
+
+std::string Database::text(const std::string& sql) {
+  const Statement statement = prepare(sql);
+  if (sqlite3_step(statement.get()) != SQLITE_ROW) fail();
+  const auto* const text = sqlite3_column_text(statement.get(), 0);
+  return text ? reinterpret_cast<const char*>(text) : "";
+}
+
+namespace {
+
+std::string definition_of(const TableShape& table) {
+  std::string sql = fmt::format("CREATE TABLE {}(key INTEGER PRIMARY KEY", table.name);
+  for (const char* const column : table.columns) sql += fmt::format(", {}", column);
+  return sql + ", checksum INTEGER)";
+}
+
+std::string text_of(sqlite3_stmt& statement, int column) {
+  const auto* const text = sqlite3_column_text(&statement, column);
+  return text ? reinterpret_cast<const char*>(text) : "";
+}
+
+}  // namespace
+
+void Database::create_table(const TableShape& table) { run(definition_of(table)); }
+
+void Database::expect_tables(std::span<const TableShape* const> tables) {
+  std::map<std::string, std::string> wanted;
+  for (const TableShape* const table : tables) wanted[table->name] = definition_of(*table);
+  const Statement statement = prepare("SELECT type, name, sql FROM sqlite_master");
+  int stepped = sqlite3_step(statement.get());
+  for (; stepped == SQLITE_ROW; stepped = sqlite3_step(statement.get())) {
+    const std::string name = text_of(*statement, 1);
+    const auto found = wanted.find(name);
+    if (text_of(*statement, 0) != "table" || found == wanted.end() ||
+        text_of(*statement, 2) != found->second) {
+      throw Fault(fmt::format("'{:.40}' in it is no table of a map", name));
+    }
+    wanted.erase(found);
+  }
+  if (stepped != SQLITE_DONE) fail();
+  if (!wanted.empty()) throw Fault(fmt::format("table {} is missing", wanted.begin()->first));
+}
+
+void Database::put(const TableShape& table, const Row& row, std::uint64_t checksum) {
+  std::string sql = fmt::format("INSERT OR REPLACE INTO {} VALUES (?", table.name);
+  for (std::size_t i = 0; i <= table.columns.size(); ++i) sql += ", ?";
+  sqlite3_stmt& statement = prepared(sql + ")");
+  int index = 1;
+  bool bound = sqlite3_bind_int64(&statement, index, row.key) == SQLITE_OK;
+  for (const Value& value : row.values) {
+    bound = bound && bind(statement, ++index, value) == SQLITE_OK;
+  }
+  bound = bound &&
+          sqlite3_bind_int64(&statement, ++index, static_cast<std::int64_t>(checksum)) == SQLITE_OK;
+  if (!bound) fail();
+  finish(statement);
+}
+
+void Database::erase(const TableShape& table, std::int64_t key) {
+  sqlite3_stmt& statement = prepared(fmt::format("DELETE FROM {} WHERE key = ?", table.name));
+  if (sqlite3_bind_int64(&statement, 1, key) != SQLITE_OK) fail();
+  finish(statement);
+}
+
+void Database::for_each(const TableShape& table,
+                        const std::function<void(const Row&, std::uint64_t)>& visit) {
+  std::string sql = "SELECT key";
+  for (const char* const column : table.columns) sql += fmt::format(", {}", column);
+  const Statement statement =
+      prepare(sql + fmt::format(", checksum FROM {} ORDER BY key", table.name));
+  const int columns = static_cast<int>(table.columns.size());
+  int stepped = sqlite3_step(statement.get());
+  for (; stepped == SQLITE_ROW; stepped = sqlite3_step(statement.get())) {
+    const Row row = row_of(*statement, columns);
+    const auto stored =
+        static_cast<std::uint64_t>(sqlite3_column_int64(statement.get(), columns + 1));
+    if (checksum_of(table, row) != stored) {
+      throw Fault(fmt::format("table {}, row {}: checksum does not match", table.name, row.key));
+    }
+    visit(row, stored);
+  }
+  if (stepped != SQLITE_DONE) fail();
+}
+
+}  // namespace ydd::map_format

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "ydd/base/result.h"
+#include "ydd/map/atlas.h"
+
+/// An atlas in one SQLite file: docs/maps.md has the format, docs/adr/0006-map-files.md the
+/// reasons.
+namespace ydd {
+
+/// The atlas in a map file, equal to the one that was saved down to its ids and the ids it will
+/// give next; bags of words and grids are made anew, points that were rejected are not stored.
+///
+/// Failure: one line that names the file and says whether it is foreign, cut short, from a newer
+/// version or damaged. The file is never changed, except that a save which was killed half-way is
+/// rolled back by what SQLite left beside it.
+Result<Atlas> load_map(const std::filesystem::path& file);
+
+/// What a save did.
+struct MapSave {
+  bool whole = false;     ///< a new file that replaced the old one; else changed rows only
+  std::int64_t rows = 0;  ///< written or deleted
+};
+
+/// What a save may do to a map that holds more than the new one.
+enum class Replacing {
+  lesser,    ///< it is kept beside as FILE.previous, or the save is refused if the new one is empty
+  anything,  ///< it is lost, as the user wishes
+};
+
+/// Saves an atlas again and again to one file.
+///
+/// The first save writes a new file beside it and renames it; later ones change the rows that have
+/// changed, in one transaction. Whatever is killed, the file holds one complete save. A map is
+/// never replaced by a lesser one (fewer keyframes or points; of a map that it goes on from, fewer
+/// than half) in silence: FILE.previous is the one before until the new one holds as much.
+/// Thread: one call at a time. While it lives, the file is claimed: a second writer is refused.
+class MapWriter {
+ public:
+  /// Does not write yet. Failure: what is there is no map file, is damaged, is from a newer
+  /// version, or is being written by another process; or the folder cannot be written to.
+  static Result<MapWriter> open(const std::filesystem::path& file,
+                                Replacing replacing = Replacing::lesser);
+
+  /// After a failure the file holds what it held before.
+  Result<MapSave> save(const Atlas& atlas);
+
+  const std::filesystem::path& file() const { return file_; }
+
+  MapWriter(MapWriter&&) noexcept;
+  MapWriter& operator=(MapWriter&&) noexcept;
+  ~MapWriter();
+
+ private:
+  struct State;
+  MapWriter(std::filesystem::path file, std::unique_ptr<State> state);
+  MapSave save_whole(const Atlas& atlas, bool lesser);
+  MapSave save_changes(const Atlas& atlas);
+
+  std::filesystem::path file_;
+  std::unique_ptr<State> state_;
+};
+
+/// Saves once.
+Result<void> save_map(const Atlas& atlas, const std::filesystem::path& file,
+                      Replacing replacing = Replacing::lesser);
+
+/// The file that a save to `file` writes: a link stays, what it leads to is replaced.
+std::filesystem::path map_file_target(const std::filesystem::path& file);
+
+}  // namespace ydd

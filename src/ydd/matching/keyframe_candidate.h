@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "ydd/matching/tracked_frame.h"
+
+namespace ydd {
+
+/// How often points should have been seen and were, since the last candidate.
+struct PointViews {
+  MapPointId point;
+  int visible = 0;
+  int found = 0;
+};
+
+/// A frame that the map should keep: everything the mapper needs, by value.
+struct KeyFrameCandidate {
+  TrackedFrame frame;
+  KeyFrameId reference;    ///< empty: it starts a new map
+  SE3 T_reference_camera;  ///< the pose to keep if the reference has moved meanwhile
+  std::vector<PointViews> views;
+};
+
+}  // namespace ydd
