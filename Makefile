@@ -38,7 +38,7 @@ demo: build  ## Simulate a static and a busy room, run SLAM on both, print how f
 
 bench: configure  ## Build and run the micro benchmarks
 	@cmake --build --preset release --parallel $(JOBS)
-	@for programme in build/bench/*_bench; do "$$programme" || exit 1; done
+	@for program in build/bench/*_bench; do "$$program" || exit 1; done
 
 check: deps  ## What needs no build: architecture, formatting
 	tools/check-architecture --self-test
@@ -57,7 +57,7 @@ asan: deps  ## All tests under AddressSanitizer and UndefinedBehaviorSanitizer, 
 tsan: deps  ## All tests under ThreadSanitizer, in build-tsan
 	@tools/sanitized-tests tsan
 
-faults: configure  ## What is thrown at the programme, thirty rounds of what has a chance in it (long)
+faults: configure  ## What is thrown at the program, thirty rounds of what has a chance in it (long)
 	@cmake --build --preset release --parallel $(JOBS)
 	YDD_FAULTS=$${YDD_FAULTS:-30} ctest --test-dir build --output-on-failure --no-tests=error -L faults
 

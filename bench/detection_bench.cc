@@ -128,8 +128,8 @@ bool has_models(benchmark::State& state) {
 void infer(benchmark::State& state, const char* model, const char* backend, const char* precision) {
   if (!has_models(state)) return;
   InferenceOptions options;
-  options.backend = backend;
-  options.precision = precision;
+  options.backend = parse_choice<Backend>(backend).value();
+  options.precision = parse_choice<Precision>(precision).value();
   options.threads = static_cast<int>(state.range(2));
   if (const char* library = std::getenv("YDD_ONNXRUNTIME")) options.onnxruntime = library;
   const auto session =

@@ -132,7 +132,7 @@ void judge(benchmark::State& state, const DynamicsOptions& options) {
   state.counters["detections"] = double(input->detections.size());
 }
 
-void Judge(benchmark::State& state, const std::string& variant) {
+void Judge(benchmark::State& state, ydd::Variant variant) {
   DynamicsOptions options;
   options.variant = variant;
   judge(state, options);
@@ -207,9 +207,9 @@ void sources(benchmark::internal::Benchmark* bench) {
   bench->ArgNames({"source"})->Unit(benchmark::kMicrosecond)->Arg(0)->Arg(1);
 }
 
-BENCHMARK_CAPTURE(Judge, full, std::string("full"))->Apply(sizes);
-BENCHMARK_CAPTURE(Judge, person, std::string("person"))->Apply(sizes);
-BENCHMARK_CAPTURE(Judge, box, std::string("box"))->Apply(sizes);
+BENCHMARK_CAPTURE(Judge, full, ydd::Variant::full)->Apply(sizes);
+BENCHMARK_CAPTURE(Judge, person, ydd::Variant::person)->Apply(sizes);
+BENCHMARK_CAPTURE(Judge, box, ydd::Variant::box)->Apply(sizes);
 BENCHMARK(JudgeByTheArticle)->Apply(sizes);
 BENCHMARK(SplitFeatures)->Apply(sizes);
 BENCHMARK(OrbExtraction)->Apply(sizes);

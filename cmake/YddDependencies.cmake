@@ -17,7 +17,7 @@ find_package(SQLite3 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 find_package(octomap QUIET) # optional: map export --octomap
-# Draws the plots of reports; embedded in the programme.
+# Draws the plots of reports; embedded in the program.
 find_file(YDD_DYGRAPHS_JS dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH
           REQUIRED)
 find_file(YDD_DYGRAPHS_CSS dygraph.min.css PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH
@@ -25,7 +25,7 @@ find_file(YDD_DYGRAPHS_CSS dygraph.min.css PATHS /usr/share/javascript/dygraphs 
 if(YDD_BUILD_SIMULATION)
   find_package(embree 3 REQUIRED)
 endif()
-# The window of `run --view`: without these the programme is built without it and says so.
+# The window of `run --view`: without these the program is built without it and says so.
 set(YDD_HAS_WINDOW OFF)
 if(YDD_BUILD_WINDOW)
   find_package(PkgConfig QUIET)
@@ -43,7 +43,7 @@ if(YDD_BUILD_TESTS)
   find_package(GTest REQUIRED)
   include(GoogleTest)
   if(YDD_SANITIZE)
-    # Sanitized programmes list their tests when ctest runs, with the options that it is given.
+    # Sanitized programs list their tests when ctest runs, with the options that it is given.
     set(CMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE PRE_TEST)
   endif()
 endif()

@@ -25,7 +25,7 @@ endfunction()
 # ydd_room(<name> [ROOMS <room>...] [PUBLIC <lib>...] [PRIVATE <lib>...])
 #
 # One folder, one target ydd::<name>. Sources are all *.cc of the folder; *_test.cc beside them
-# become the test programme ydd_<name>_test. ROOMS may only name rooms above this one in
+# become the test program ydd_<name>_test. ROOMS may only name rooms above this one in
 # src/ydd/CMakeLists.txt (tools/check-architecture holds that against the includes too).
 function(ydd_room name)
   cmake_parse_arguments(ROOM "" "" "ROOMS;PUBLIC;PRIVATE" ${ARGN})

@@ -40,8 +40,8 @@ namespace {
 /// Median over the later frames of a sequence of allocations per frame without a keyframe.
 long median_allocations(int features) {
   WorldOptions world;
-  world.path = "xyz";
-  world.depth = "kinect";
+  world.path = PathKind::xyz;
+  world.depth = DepthModel::kinect;
   world.width_px = 320;
   world.height_px = 240;
   world.frames = 60;

@@ -31,12 +31,12 @@ inline std::optional<fs::path> chromium() {
 /// complained about on standard error.
 inline Outcome dump_dom(const std::string& url, const std::string& window_size = "1280,900") {
   const TemporaryFolder profile;
-  return run_programme({chromium().value().string(), "--headless", "--no-sandbox", "--disable-gpu",
-                        "--disable-quic", "--no-first-run", "--disable-background-networking",
-                        "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage",
-                        "--enable-logging=stderr", "--user-data-dir=" + profile.path().string(),
-                        "--window-size=" + window_size, "--virtual-time-budget=8000", "--dump-dom",
-                        url});
+  return run_program({chromium().value().string(), "--headless", "--no-sandbox", "--disable-gpu",
+                      "--disable-quic", "--no-first-run", "--disable-background-networking",
+                      "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage",
+                      "--enable-logging=stderr", "--user-data-dir=" + profile.path().string(),
+                      "--window-size=" + window_size, "--virtual-time-budget=8000", "--dump-dom",
+                      url});
 }
 
 }  // namespace ydd::e2e

@@ -22,7 +22,7 @@ namespace ydd::e2e {
 
 namespace fs = std::filesystem;
 
-/// Sanitized programmes are ten times slower: tests then use fewer frames and judge no accuracy.
+/// Sanitized programs are ten times slower: tests then use fewer frames and judge no accuracy.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kSanitized = true;
 #else
@@ -55,9 +55,9 @@ struct Outcome {
   }
 };
 
-/// Runs a programme (found on the PATH) with its arguments in `folder` (default: here) and waits
+/// Runs a program (found on the PATH) with its arguments in `folder` (default: here) and waits
 /// for it.
-inline Outcome run_programme(std::vector<std::string> arguments, const fs::path& folder = ".") {
+inline Outcome run_program(std::vector<std::string> arguments, const fs::path& folder = ".") {
   const TemporaryFolder scratch;
   const std::string out_file = scratch / "out";
   const std::string err_file = scratch / "err";
@@ -89,7 +89,7 @@ inline Outcome run_programme(std::vector<std::string> arguments, const fs::path&
 /// Runs `ydd-slam ARGUMENTS...` in `folder` (default: here) and waits for it.
 inline Outcome ydd_slam(std::vector<std::string> arguments, const fs::path& folder = ".") {
   arguments.insert(arguments.begin(), YDD_BINARY);
-  return run_programme(std::move(arguments), folder);
+  return run_program(std::move(arguments), folder);
 }
 
 }  // namespace ydd::e2e

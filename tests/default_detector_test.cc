@@ -29,7 +29,7 @@ constexpr const char* kFew = "4";  // frames, where accuracy is not judged
 /// `ydd-slam ARGUMENTS...` of someone who says nothing about detectors, not even by YDD_DETECTOR.
 Outcome plain(std::vector<std::string> arguments, const fs::path& folder) {
   arguments.insert(arguments.begin(), {"env", "-u", "YDD_DETECTOR", YDD_BINARY});
-  return run_programme(std::move(arguments), folder);
+  return run_program(std::move(arguments), folder);
 }
 
 /// Of the objects of class `wanted` in `truth`: the share that overlap by half with one of `seen`.
@@ -134,8 +134,8 @@ TEST(DefaultDetector, DoesNotHoldUpACameraThatIsQuicker) {
 
 TEST(DefaultDetector, IsNamedByTheEnvironment) {
   const TemporaryFolder folder;
-  const Outcome outcome = run_programme({"env", "YDD_DETECTOR=nowhere.yaml", YDD_BINARY, "run",
-                                         kSample, "--out", folder / "a", "--quiet"});
+  const Outcome outcome = run_program({"env", "YDD_DETECTOR=nowhere.yaml", YDD_BINARY, "run",
+                                       kSample, "--out", folder / "a", "--quiet"});
   EXPECT_EQ(outcome.exit_code, 1);
   ASSERT_EQ(outcome.error_lines().size(), 1U) << outcome.err;
   EXPECT_THAT(outcome.error_lines().front(), HasSubstr("nowhere.yaml"));

@@ -27,7 +27,7 @@ std::vector<Box> person_boxes(const Detections& detections) {
 constexpr int kEvery = 20;
 
 /// Quality over every twentieth frame of a room.
-PointQuality measure(const WorldOptions& world, const std::string& variant) {
+PointQuality measure(const WorldOptions& world, Variant variant) {
   const Simulator simulator(world);
   DynamicsOptions options;
   options.variant = variant;
@@ -51,7 +51,7 @@ WorldOptions busy_room(int seed) {
   world.busy = true;
   world.seed = seed;
   world.frames = 84;
-  world.depth = "kinect";
+  world.depth = DepthModel::kinect;
   world.threads = 1;
   return world;
 }
@@ -59,15 +59,15 @@ WorldOptions busy_room(int seed) {
 class BusyRoom : public ::testing::TestWithParam<int> {};
 
 TEST_P(BusyRoom, FullFindsWhatMovesAndKeepsTheRoom) {
-  const PointQuality full = measure(busy_room(GetParam()), "full");
+  const PointQuality full = measure(busy_room(GetParam()), Variant::full);
   ASSERT_GT(full.moving, 500);
   EXPECT_GE(full.recall(), 0.97);
   EXPECT_GE(full.precision(), 0.80);
 }
 
 TEST_P(BusyRoom, DepthKeepsStaticPointsThatWholeBoxesLose) {
-  const PointQuality box = measure(busy_room(GetParam()), "box");
-  const PointQuality full = measure(busy_room(GetParam()), "full");
+  const PointQuality box = measure(busy_room(GetParam()), Variant::box);
+  const PointQuality full = measure(busy_room(GetParam()), Variant::full);
   EXPECT_EQ(box.in_person_kept, 0);
   EXPECT_GT(full.kept_in_persons(), 0.5);
   EXPECT_GT(full.precision(), box.precision());
@@ -78,15 +78,15 @@ INSTANTIATE_TEST_SUITE_P(Seeds, BusyRoom, ::testing::Values(11, 12));
 TEST(EmptyRoom, HardlyAnythingIsRejectedWhereOnlyAFanTurns) {
   WorldOptions world;
   world.frames = 36;
-  world.depth = "kinect";
-  const PointQuality full = measure(world, "full");
+  world.depth = DepthModel::kinect;
+  const PointQuality full = measure(world, Variant::full);
   ASSERT_GT(full.stationary, 500);
   // A fan counts as one thing: its stand goes with its blades.
   EXPECT_LE(full.stationary_rejected, 0.08 * full.stationary);
 }
 
 TEST(BusyRoomOff, RejectsNothing) {
-  const PointQuality off = measure(busy_room(11), "off");
+  const PointQuality off = measure(busy_room(11), Variant::off);
   EXPECT_GT(off.moving, 500);
   EXPECT_EQ(off.rejected(), 0);
 }

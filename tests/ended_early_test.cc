@@ -46,7 +46,7 @@ void expect_no_leftovers(const fs::path& folder) {
 
 /// `sh -c SCRIPT`, in which $Y is the binary.
 Outcome shell(const std::string& script, const fs::path& folder = ".") {
-  return run_programme({"sh", "-c", "Y=" YDD_BINARY "; " + script}, folder);
+  return run_program({"sh", "-c", "Y=" YDD_BINARY "; " + script}, folder);
 }
 
 /// The frames of `sequence`, half a second apart: played at their pace, they wait for whatever is

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `run --serve` as people meet it: the programme, its page in a browser, and what is left in the
+// `run --serve` as people meet it: the program, its page in a browser, and what is left in the
 // end.
 #include <chrono>
 #include <future>
@@ -32,7 +32,7 @@ class ServedRun {
     run_ = std::async(std::launch::async, [this, arguments] {
       std::vector<std::string> shell = {"/bin/sh", "-c", "exec \"$@\" 2>\"$0\"", log().string()};
       shell.insert(shell.end(), arguments.begin(), arguments.end());
-      return run_programme(shell);
+      return run_program(shell);
     });
     while (url_.empty() && !ended()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));

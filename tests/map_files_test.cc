@@ -101,7 +101,7 @@ TEST(Maps, LocalizationOnlyLeavesTheFileAlone) {
   EXPECT_EQ(summary.at("keyframes_inserted"), 0);
 }
 
-TEST(Maps, OfOnePlaceAreWeldedAndOfTwoKeptApart) {
+TEST(Maps, OfOnePlaceAreMergedAndOfTwoKeptApart) {
   if (kSanitized) GTEST_SKIP() << "too few frames for a loop";
   const TemporaryFolder folder;
   run(room(), folder / "a", {"--max-frames", "45", "--save-map", folder / "a.map"});
@@ -109,7 +109,7 @@ TEST(Maps, OfOnePlaceAreWeldedAndOfTwoKeptApart) {
   const Outcome merged = ydd_slam({"map", "merge", folder / "a.map", folder / "b.map", "--out",
                                    folder / "c.map", "--set", "loop.min_score_ratio=0.5"});
   ASSERT_EQ(merged.exit_code, 0) << merged.err;
-  EXPECT_THAT(merged.out, HasSubstr("welded map 1 onto map 0"));
+  EXPECT_THAT(merged.out, HasSubstr("merged map 1 onto map 0"));
   EXPECT_EQ(info(folder / "c.map").at("maps").size(), 1U);
   const fs::path other = small_world("other", {"--frames", "20", "--seed", "77"});
   run(other, folder / "o", {"--camera", room() / "camera.yaml", "--save-map", folder / "o.map"});

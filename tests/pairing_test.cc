@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth images whose stamps are wrong: what is left out is told, and the pictures tell the offset.
+// Depth images whose stamps are wrong: what is left out is reported, and the pictures give the
+// offset.
 #include <cstdlib>
 #include <filesystem>
 #include <string>

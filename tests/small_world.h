@@ -14,7 +14,7 @@
 /// Small simulated sequences for the end-to-end tests, rendered once for all of them.
 namespace ydd::e2e {
 
-/// Frames of `room` and `busy`: two seconds of the path, less for sanitized programmes.
+/// Frames of `room` and `busy`: two seconds of the path, less for sanitized programs.
 inline constexpr int kFrames = kSanitized ? 12 : 60;
 
 /// The folder of the sequence `name`, rendered with `options` when it is not there yet. It lies

@@ -19,8 +19,8 @@ namespace {
 
 using testing::HasSubstr;
 
-bool on_path(const std::string& programme) {
-  return run_programme({"sh", "-c", "command -v " + programme}, ".").exit_code == 0;
+bool on_path(const std::string& program) {
+  return run_program({"sh", "-c", "command -v " + program}, ".").exit_code == 0;
 }
 
 bool built_with_window() {
@@ -44,7 +44,7 @@ constexpr bool kThreadsWatched = false;
 Outcome on_virtual_screen(const std::vector<std::string>& arguments, const fs::path& folder) {
   std::vector<std::string> all = {"xvfb-run", "-a", "-s", "-screen 0 1280x720x24", YDD_BINARY};
   all.insert(all.end(), arguments.begin(), arguments.end());
-  return run_programme(all, folder);
+  return run_program(all, folder);
 }
 
 cv::Mat read_picture(const fs::path& file) {
@@ -147,7 +147,7 @@ Outcome with_user(const std::string& user, const std::vector<std::string>& argum
   std::vector<std::string> all = {"xvfb-run", "-a", "-s",      "-screen 0 1280x720x24", "sh", "-c",
                                   script,     "sh", YDD_BINARY};
   all.insert(all.end(), arguments.begin(), arguments.end());
-  return run_programme(all, folder);
+  return run_program(all, folder);
 }
 
 TEST(View, KeysStepAndClosingLetsAPausedRunGoOn) {
@@ -173,9 +173,9 @@ TEST(View, WithoutADisplaySaysSoInOneLine) {
   if (!built_with_window()) GTEST_SKIP() << "built without the window";
   const TemporaryFolder folder;
   const Outcome outcome =
-      run_programme({"env", "-u", "DISPLAY", "-u", "WAYLAND_DISPLAY", YDD_BINARY, "run",
-                     few_frames().string(), "--out", "a", "--quiet", "--view"},
-                    folder.path());
+      run_program({"env", "-u", "DISPLAY", "-u", "WAYLAND_DISPLAY", YDD_BINARY, "run",
+                   few_frames().string(), "--out", "a", "--quiet", "--view"},
+                  folder.path());
   EXPECT_EQ(outcome.exit_code, 1);
   ASSERT_EQ(outcome.error_lines().size(), 1U) << outcome.err;
   EXPECT_THAT(outcome.error_lines().front(), HasSubstr("--view: no window can be opened"));

@@ -153,7 +153,7 @@ void add_detect_command(CLI::App& app, Job& job) {
   command->add_option("sequence", request->sequence, "Folder in the TUM RGB-D layout")->required();
   command->add_option("--detector", request->detector,
                       "Detector file (configs/detector/*.yaml; default: YDD_DETECTOR, else the "
-                      "network of the programme)");
+                      "network of the program)");
   command->add_option("--out", request->out, "JSON lines to write")->required();
   command
       ->add_option("--set", request->set,

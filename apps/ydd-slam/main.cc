@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
                "ydd-slam"};
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("ydd-slam ") + ydd::kVersion);
-  app.fallthrough();  // what the programme takes may follow the sub-command
+  app.fallthrough();  // what the program takes may follow the sub-command
   ydd::app::add_log_level(app);
   ydd::app::Job job;
   ydd::app::add_run_command(app, job);

@@ -54,7 +54,7 @@ void add_export(CLI::App& parent, Job& job) {
 void add_merge(CLI::App& parent, Job& job) {
   auto request = std::make_shared<MapMergeRequest>();
   auto* command = parent.add_subcommand(
-      "merge", "Put two map files into one, welded where they show the same place");
+      "merge", "Put two map files into one, merged where they show the same place");
   command->add_option("first", request->first, "Map file whose world stays")->required();
   command->add_option("second", request->second, "Map file that is added")->required();
   command->add_option("--out", request->out, "Map file to write")->required();

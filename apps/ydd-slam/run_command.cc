@@ -36,7 +36,7 @@ void add_method_options(CLI::App& command, RunRequest& request) {
   command.add_option("--dynamic", request.dynamic, "What is rejected: off | box | person | full");
   command.add_option("--detector", request.detector,
                      "Detector YAML (configs/detector/) that looks for objects; none: no "
-                     "detector (default: YDD_DETECTOR, else the network of the programme)");
+                     "detector (default: YDD_DETECTOR, else the network of the program)");
   command.add_option("--detector-set", request.detector_set, "Set one detector option: key=value")
       ->allow_extra_args(false);
   command.add_option("--detect", request.detect,

@@ -41,7 +41,7 @@ Result<void> simulate(const SimulateRequest& request) {
   const Simulator simulator(world);
   Progress progress(request.out, static_cast<std::size_t>(simulator.frame_count()), request.quiet);
   TumWriterOptions options;
-  options.colour_format = request.colour_format;
+  options.colour_format = parse_choice<ColourFormat>(request.colour_format).value();
   options.jpeg_quality = request.jpeg_quality;
   options.jobs = request.jobs;
   options.about = table.to_yaml();

@@ -11,7 +11,7 @@ namespace ydd::faults {
 namespace {
 
 /// A run of the room at its pace in the background, and what happens to it after so long. Waits
-/// for the first frame: a signal that comes while the programme loads ends it as it ends any.
+/// for the first frame: a signal that comes while the program loads ends it as it ends any.
 Outcome run_and(const std::string& what, const fs::path& folder, const std::string& options) {
   return shell(fmt::format(R"(rm -rf o err
 # A shell's background jobs ignore SIGINT.
@@ -81,7 +81,7 @@ TEST(Kill, AtAnyMomentLeavesAMapThatCanBeGoneOnWith) {
             "--map o.map --save-map o.map --set map.autosave=0.001");
     expect_good_map(folder / "o.map");
   }
-  // A killed programme cannot tidy up; the next one goes on all the same.
+  // A killed program cannot tidy up; the next one goes on all the same.
   const Outcome next = shell(
       fmt::format("ydd run {} --map o.map --save-map o.map --out last --quiet", room().string()),
       folder.path());

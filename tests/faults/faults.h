@@ -18,7 +18,7 @@
 #include "ydd/dataset/trajectory.h"
 #include "ydd/map_files/map_file.h"
 
-/// What is thrown at the programme, and what is then asked of what it left. `make faults` runs the
+/// What is thrown at the program, and what is then asked of what it left. `make faults` runs the
 /// cases that have a chance in them more often.
 namespace ydd::faults {
 
@@ -32,7 +32,7 @@ inline int rounds(int usually) {
   return kSanitized ? 1 : std::max(usually, wanted ? std::atoi(wanted) : 0);
 }
 
-/// Longer than anything here takes, also sanitized: against programmes that hang.
+/// Longer than anything here takes, also sanitized: against programs that hang.
 inline constexpr int kPatience_s = kSanitized ? 280 : 90;
 inline constexpr int kHung = 128 + 9;  // what `timeout -s KILL` gives
 
@@ -40,7 +40,7 @@ inline constexpr int kHung = 128 + 9;  // what `timeout -s KILL` gives
 inline Outcome shell(const std::string& script, const fs::path& folder) {
   const std::string head =
       fmt::format("ydd() {{ timeout -s KILL {} " YDD_BINARY " \"$@\"; }}\n", kPatience_s);
-  Outcome outcome = run_programme({"sh", "-c", head + script}, folder);
+  Outcome outcome = run_program({"sh", "-c", head + script}, folder);
   EXPECT_NE(outcome.exit_code, kHung) << "hangs, or was killed";
   return outcome;
 }

@@ -67,7 +67,7 @@ TEST(Threads, ThatCannotBeStartedAreToldAndNotWaitedFor) {
 }
 
 TEST(Cores, OneIsEnoughToKeepTracking) {
-  if (kSanitized) GTEST_SKIP() << "sanitized programmes do not keep a camera's pace";
+  if (kSanitized) GTEST_SKIP() << "sanitized programs do not keep a camera's pace";
   SCOPED_TRACE(
       "--realtime on one core that others use too: frames are dropped, the camera is not lost");
   const TemporaryFolder folder;

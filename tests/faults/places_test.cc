@@ -122,7 +122,8 @@ TEST(Names, ThatAreNotUtf8CostNothing) {
 }
 
 TEST(TwoWriters, OfOneMapOneWinsAndTheFileIsWhole) {
-  SCOPED_TRACE("the second is told; both have their results; the map is that of one of them");
+  SCOPED_TRACE(
+      "the second one gets a message; both have their results; the map is that of one of them");
   const TemporaryFolder folder;
   for (int i = 0; i < rounds(2); ++i) {
     fs::remove(folder / "o.map");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ydd/base/result.h"
+#include "ydd/dynamics/dynamics_options.h"
 #include "ydd/dynamics/point_quality.h"
 
 namespace ydd::app {
@@ -53,7 +54,7 @@ struct VariantResult {
 
 /// Judges the points of a sequence that has a folder `mask`. With a latency above 0 the boxes come
 /// from a detector that needs so many frames, and are carried on meanwhile.
-Result<VariantResult> judge_sequence(const BenchCase& bench_case, const std::string& variant,
+Result<VariantResult> judge_sequence(const BenchCase& bench_case, Variant variant,
                                      const std::vector<std::string>& set, int latency_frames);
 
 /// ATE of a sequence against its ground truth, in metres, per run that could be scored.

@@ -54,12 +54,12 @@ Result<fs::path> simulate_busy_room(int seed, int frames, const fs::path& folder
   log::info("rendering busy room {}", seed);
   WorldOptions options;
   options.busy = true;
-  options.path = "xyz";
-  options.depth = "kinect";
+  options.path = PathKind::xyz;
+  options.depth = DepthModel::kinect;
   options.seed = seed;
   options.frames = frames;
   TumWriterOptions writer;
-  writer.colour_format = "jpeg";
+  writer.colour_format = ColourFormat::jpeg;
   writer.jobs = 0;
   if (auto r = write_tum_sequence(Simulator(options), folder, writer); !r) return r.error();
   return folder;

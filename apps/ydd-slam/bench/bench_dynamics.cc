@@ -73,7 +73,7 @@ class LateBoxes {
 
 }  // namespace
 
-Result<VariantResult> judge_sequence(const BenchCase& bench_case, const std::string& variant,
+Result<VariantResult> judge_sequence(const BenchCase& bench_case, Variant variant,
                                      const std::vector<std::string>& set, int latency_frames) {
   Result<Sequence> sequence = Sequence::open(bench_case.folder);
   if (!sequence) return sequence.error();
@@ -126,7 +126,7 @@ Result<std::string> bench_dynamics(const BenchRequest& request, const fs::path& 
       "| --- | --- | --- | --- | --- | --- | --- | --- |\n";
   Json json = Json::array();
   for (const BenchCase& bench_case : *cases) {
-    for (const char* variant : {"box", "person", "full"}) {
+    for (const Variant variant : {Variant::box, Variant::person, Variant::full}) {
       const Result<VariantResult> result = judge_sequence(bench_case, variant, request.set, 0);
       if (!result) return result.error();
       const PointQuality& q = result->quality;
@@ -134,10 +134,10 @@ Result<std::string> bench_dynamics(const BenchRequest& request, const fs::path& 
       const double extract_ms = statistics_of(result->extract_ms).median;
       table += fmt::format(
           "| {} | {} | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {:.3f} | {:.2f} |\n",
-          bench_case.name, variant, 100 * q.recall(), 100 * q.precision(),
+          bench_case.name, to_string(variant), 100 * q.recall(), 100 * q.precision(),
           100 * q.kept_in_persons(), 100 * q.kept_off_silhouettes(), judge_ms, extract_ms);
       json.push_back({{"sequence", bench_case.name},
-                      {"variant", variant},
+                      {"variant", std::string(to_string(variant))},
                       {"recall", q.recall()},
                       {"precision", q.precision()},
                       {"kept_in_persons", q.kept_in_persons()},

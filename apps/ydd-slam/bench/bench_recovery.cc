@@ -114,7 +114,7 @@ const Accident kAccidents[] = {
 struct Outcome {
   std::optional<int> frames;  ///< until tracked again at the right place
   bool wrong = false;         ///< a false loop, or at a wrong place in the end
-  bool welded = false;
+  bool merged = false;
   double ate_m = 0;
 };
 
@@ -131,7 +131,7 @@ Outcome judge(const SimulatedRun& run, const Accident& accident, double fps) {
   Outcome out;
   out.ate_m = run.ate_m();
   for (const CheckedLoop& loop : run.loops) {
-    if (loop.report.welded && !loop.is_false()) out.welded = true;
+    if (loop.report.merged && !loop.is_false()) out.merged = true;
     if (loop.is_false()) out.wrong = true;
   }
   const auto end = static_cast<std::size_t>(std::lround(accident.until_s * fps));
@@ -153,11 +153,11 @@ Result<std::string> bench_recovery(const SeedRequest& request) {
   options->deterministic = true;
   std::string table =
       "| accident | runs | found again | frames until then, median (worst) | false places | maps "
-      "welded | ATE m, median (worst) |\n| --- | --- | --- | --- | --- | --- | --- |\n";
+      "merged | ATE m, median (worst) |\n| --- | --- | --- | --- | --- | --- | --- |\n";
   Json json = Json::array();
   for (const Accident& accident : kAccidents) {
     if (!is_wanted(request, accident.name)) continue;
-    int found = 0, wrong = 0, welded = 0;
+    int found = 0, wrong = 0, merged = 0;
     std::vector<double> frames, ate_m;
     for (int i = 0; i < request.seeds; ++i) {
       WorldOptions world = walk_world(request, request.first_seed + i);
@@ -173,20 +173,20 @@ Result<std::string> bench_recovery(const SeedRequest& request) {
                                : std::string("not found"));
       found += outcome.frames ? 1 : 0;
       wrong += outcome.wrong ? 1 : 0;
-      welded += outcome.welded ? 1 : 0;
+      merged += outcome.merged ? 1 : 0;
       if (outcome.frames) frames.push_back(*outcome.frames);
       ate_m.push_back(outcome.ate_m);
     }
     const SeriesStatistics f = statistics_of(frames), a = statistics_of(ate_m);
     table += fmt::format("| {} | {} | {} | {:.0f} ({:.0f}) | {} | {} | {:.4f} ({:.4f}) |\n",
-                         accident.name, request.seeds, found, f.median, f.max, wrong, welded,
+                         accident.name, request.seeds, found, f.median, f.max, wrong, merged,
                          a.median, a.max);
     json.push_back({{"accident", accident.name},
                     {"runs", request.seeds},
                     {"found", found},
                     {"frames", frames},
                     {"false_places", wrong},
-                    {"welded", welded},
+                    {"merged", merged},
                     {"ate_rmse_m", ate_m}});
   }
   return table_and_json(std::move(table), json, request);

@@ -10,8 +10,8 @@ WorldOptions walk_world(const SeedRequest& request, int seed, int rooms) {
   WorldOptions world;
   world.seed = seed;
   world.rooms = rooms;
-  world.path = "room_loop";
-  world.depth = "kinect";
+  world.path = PathKind::room_loop;
+  world.depth = DepthModel::kinect;
   world.width_px = request.width_px;
   world.height_px = request.width_px * 3 / 4;
   world.fps = request.fps;

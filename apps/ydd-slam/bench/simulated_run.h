@@ -19,7 +19,7 @@ struct SimulatedStep {
   std::size_t keyframes = 0, points = 0;
 };
 
-/// A loop or weld held against the truth.
+/// A loop or merge held against the truth.
 struct CheckedLoop {
   LoopReport report;
   double error_m = 0, error_rad = 0;  ///< of the pose of one keyframe relative to the other

@@ -40,7 +40,7 @@ int wait_for(pid_t child) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// Runs this programme again; its output goes to `log`. Gives the exit code, negative if it could
+/// Runs this program again; its output goes to `log`. Gives the exit code, negative if it could
 /// not be started or died.
 int spawn_self(std::vector<std::string>& arguments, const fs::path& log) {
   std::vector<char*> argv;

@@ -11,7 +11,7 @@ namespace ydd::app {
 inline constexpr const char* kNoDetector = "none";
 
 /// The detector file of a command that names none: what the environment variable YDD_DETECTOR says
-/// (a file, or `none`), else the network that comes with the programme, from the folder it was
+/// (a file, or `none`), else the network that comes with the program, from the folder it was
 /// installed or built in. The failure says where it was looked for.
 Result<std::string> default_detector();
 

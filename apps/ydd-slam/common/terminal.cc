@@ -23,7 +23,7 @@ const std::map<std::string, log::Level>& levels() {
 void add_log_level(CLI::App& app) {
   app.add_option_function<std::string>(
          "--log-level", [](const std::string& name) { log::set_level(levels().at(name)); },
-         "How much is told on standard error: debug, info, warning, error or off")
+         "How much is logged on standard error: debug, info, warning, error or off")
       ->check(CLI::IsMember(levels()))
       ->default_str("info");
 }

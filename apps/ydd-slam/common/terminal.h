@@ -5,7 +5,7 @@
 
 namespace ydd::app {
 
-/// Adds --log-level to the programme: how much is told on standard error.
+/// Adds --log-level to the program: how much is logged on standard error.
 void add_log_level(CLI::App& app);
 
 /// Adds --quiet: no progress, and no log lines but warnings, unless --log-level says otherwise.

@@ -114,9 +114,9 @@ Result<void> map_merge(const MapMergeRequest& request) {
                         request.replace_map ? Replacing::anything : Replacing::lesser);
       !r)
     return r;
-  for (const Weld& weld : merged->welds) {
-    fmt::print("welded map {} onto map {} ({} points agree)\n", weld.map.slot, weld.into.slot,
-               weld.points);
+  for (const MapMerge& merge : merged->merges) {
+    fmt::print("merged map {} onto map {} ({} points agree)\n", merge.map.slot, merge.into.slot,
+               merge.points);
   }
   if (merged->separate > 0) {
     fmt::print("no common place found for {} of the second file's maps: kept beside the others\n",

@@ -32,7 +32,7 @@ Result<void> map_info(const MapInfoRequest& request);
 Result<void> map_export(const MapExportRequest& request);
 Result<void> map_merge(const MapMergeRequest& request);
 
-/// Occupied and free space of one map into an OctoMap file. Failure also when this programme was
+/// Occupied and free space of one map into an OctoMap file. Failure also when this program was
 /// built without OctoMap.
 Result<void> export_octomap(const Atlas& atlas, MapId map, const MapExportRequest& request);
 

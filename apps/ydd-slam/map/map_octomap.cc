@@ -42,7 +42,7 @@ Result<void> export_octomap(const Atlas& atlas, MapId map, const MapExportReques
 
 Result<void> export_octomap(const Atlas&, MapId, const MapExportRequest&) {
   return Error{
-      "--octomap: this programme was built without OctoMap; install liboctomap-dev and build it "
+      "--octomap: this program was built without OctoMap; install liboctomap-dev and build it "
       "again"};
 }
 

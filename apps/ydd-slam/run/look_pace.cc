@@ -12,9 +12,6 @@
 namespace ydd::app {
 namespace {
 
-constexpr const char* kEveryFrame = "every-frame";
-constexpr const char* kAsynchronous = "asynchronous";
-
 /// Whether looking keeps up. It shares the interval with nobody on two cores, with tracking on one.
 bool keeps_pace(const LookPace& pace, int cores) {
   const double share = cores > 1 ? 0.8 : 0.4;
@@ -38,18 +35,19 @@ std::optional<LookPace> measure_look(Detector& detector, const Sequence& sequenc
   return pace;
 }
 
-DetectChoice choose_detect_mode(const std::string& mode, const LookPace& pace, bool realtime,
-                                int cores) {
-  if (keeps_pace(pace, cores)) return {kEveryFrame, ""};
+DetectChoice choose_detect_mode(DetectMode mode, const LookPace& pace, bool realtime, int cores) {
+  if (keeps_pace(pace, cores)) return {DetectMode::every_frame, ""};
   const std::string fact = fmt::format("a look takes {:.0f} ms and a picture comes every {:.0f} ms",
                                        pace.look_ms, pace.interval_ms);
-  if (realtime && mode == "auto") {
-    return {kAsynchronous, fact + ": tracking does not wait for boxes (--detect asynchronous)"};
+  if (realtime && mode == DetectMode::automatic) {
+    return {DetectMode::asynchronous,
+            fact + ": tracking does not wait for boxes (--detect asynchronous)"};
   }
   if (realtime) {
-    return {kEveryFrame, fact + ": pictures will be dropped; --detect asynchronous does not wait"};
+    return {DetectMode::every_frame,
+            fact + ": pictures will be dropped; --detect asynchronous does not wait"};
   }
-  return {kEveryFrame,
+  return {DetectMode::every_frame,
           fact +
               ": this run is slower than the camera; quicker are --detect asynchronous or smaller "
               "pictures for the network (--detector-set 'networks.*.input.width=320')"};

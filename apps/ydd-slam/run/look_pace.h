@@ -22,14 +22,13 @@ std::optional<LookPace> measure_look(Detector& detector, const Sequence& sequenc
                                      const Camera& camera);
 
 struct DetectChoice {
-  std::string mode;     ///< every-frame or asynchronous
-  std::string message;  ///< for the user; empty: nothing to say
+  DetectMode mode = DetectMode::every_frame;  ///< or asynchronous
+  std::string message;                        ///< for the user; empty: nothing to say
 };
 
 /// Decides between the modes auto and every-frame: a run that keeps the camera's pace does not wait
 /// for a detector that cannot. `cores` are those that the process may use: on a single one, looking
 /// and tracking take turns.
-DetectChoice choose_detect_mode(const std::string& mode, const LookPace& pace, bool realtime,
-                                int cores);
+DetectChoice choose_detect_mode(DetectMode mode, const LookPace& pace, bool realtime, int cores);
 
 }  // namespace ydd::app

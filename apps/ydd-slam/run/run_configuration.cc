@@ -74,11 +74,11 @@ Result<ObjectCatalogue> run_catalogue(const RunRequest& request) {
                                  : ObjectCatalogue::load(request.objects);
 }
 
-Result<RunRequest> with_detector(RunRequest request, const std::string& variant) {
+Result<RunRequest> with_detector(RunRequest request, Variant variant) {
   if (!request.detector.empty() && !request.detections.empty()) {
     return Error{"--detector and --detections: give one of the two"};
   }
-  if (request.detector.empty() && request.detections.empty() && variant != "off") {
+  if (request.detector.empty() && request.detections.empty() && variant != Variant::off) {
     Result<std::string> detector = default_detector();
     if (!detector) return detector.error();
     request.detector = *std::move(detector);

@@ -30,7 +30,7 @@ Result<ObjectCatalogue> run_catalogue(const RunRequest& request);
 
 /// The request with the detector that it means: a run that rejects nothing, or replays recorded
 /// boxes, looks at nothing.
-Result<RunRequest> with_detector(RunRequest request, const std::string& variant);
+Result<RunRequest> with_detector(RunRequest request, Variant variant);
 
 /// Null: nothing is looked at.
 Result<std::unique_ptr<Detector>> make_run_detector(const RunRequest& request,

@@ -30,7 +30,7 @@ struct Inputs {
   std::optional<Atlas> map;
 };
 
-/// Images without a partner are told: they are not part of the run.
+/// Images without a partner are reported: they are not part of the run.
 void tell_pairing(const Sequence& sequence, const SequenceOptions& options) {
   const std::optional<Pairing>& pairing = sequence.pairing();
   if (!pairing) return;
@@ -72,7 +72,7 @@ void settle_detect_mode(Inputs& inputs) {
   if (options.detect.asynchronous()) return;
   const bool looks = inputs.detector != nullptr && !inputs.request.detector.empty();
   if (!looks || options.deterministic) {
-    if (options.detect.mode == "auto") options.detect.mode = "every-frame";
+    options.detect.mode = DetectMode::every_frame;
     return;
   }
   const std::optional<LookPace> pace =
@@ -124,8 +124,8 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
                     std::move(inputs->detector), std::move(inputs->map));
   if (auto r = prepare_run_map(request, system); !r) return r.error();
   const std::int64_t start_ns = wall_clock_ns();
-  const FeedInput input{inputs->sequence, camera, request, inputs->catalogue};
-  const Result<FeedEnd> end = feed_watched(input, system, listeners, has_detector, folder->path());
+  const PlayInput input{inputs->sequence, camera, request, inputs->catalogue};
+  const Result<PlayEnd> end = play_watched(input, system, listeners, has_detector, folder->path());
   if (!end) return end.error();
   if (listeners.recorder.processed() == 0) {  // there is nothing to write
     return Error{end->failure.empty() ? end->incomplete : end->failure};

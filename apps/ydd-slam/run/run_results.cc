@@ -92,7 +92,7 @@ std::string summary_of(const RunResults& results, bool has_detector, double wall
   const RunRequest& request = results.request;
   const SystemOptions& options = results.configuration.options;
   RunDescription run{results.sequence.name(),
-                     has_detector ? options.dynamics.variant : "off",
+                     std::string(to_string(has_detector ? options.dynamics.variant : Variant::off)),
                      request.detector + request.detections,  // one is empty
                      options.deterministic,
                      request.realtime,

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "run/run_configuration.h"
-#include "run/run_feed.h"
+#include "run/run_play.h"
 
 namespace ydd::app {
 
@@ -19,7 +19,7 @@ struct RunResults {
   const ObjectCatalogue& catalogue;
   SlamSystem& system;
   Listeners& listeners;
-  const FeedEnd& end;
+  const PlayEnd& end;
   std::filesystem::path folder;
   std::string summary;
 };

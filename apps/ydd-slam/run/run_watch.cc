@@ -15,10 +15,10 @@
 namespace ydd::app {
 namespace {
 
-/// `feed`, whose failure must not leave watchers waiting.
-FeedEnd feed_or_tell(const FeedInput& input, SlamSystem& system, Listeners& listeners,
-                     LiveControl& live) {
-  FeedEnd end = feed(input, system, listeners, &live);
+/// `play`, whose failure must not leave watchers waiting.
+PlayEnd play_for_watchers(const PlayInput& input, SlamSystem& system, Listeners& listeners,
+                          LiveControl& live) {
+  PlayEnd end = play(input, system, listeners, &live);
   if (!end.failure.empty()) live.close(LiveEnd::failed);
   return end;
 }
@@ -48,12 +48,12 @@ LiveWindowOptions window_options(const RunRequest& request, const std::filesyste
 
 /// The window has the calling thread, as GLFW wants it; the run gets one of its own. That one is
 /// started first: opening the window lowers the priority of the thread that does it.
-Result<FeedEnd> feed_in_window(const FeedInput& input, SlamSystem& system, Listeners& listeners,
+Result<PlayEnd> play_in_window(const PlayInput& input, SlamSystem& system, Listeners& listeners,
                                LiveControl& live, const std::filesystem::path& folder) {
   Channel<bool> window_is_open(1);
-  std::future<FeedEnd> fed = std::async(std::launch::async, [&]() -> FeedEnd {
+  std::future<PlayEnd> fed = std::async(std::launch::async, [&]() -> PlayEnd {
     if (!window_is_open.pop()) return {};
-    return feed_or_tell(input, system, listeners, live);
+    return play_for_watchers(input, system, listeners, live);
   });
   Result<LiveWindow> window = LiveWindow::open(window_options(input.request, folder));
   if (!window) {
@@ -63,7 +63,7 @@ Result<FeedEnd> feed_in_window(const FeedInput& input, SlamSystem& system, Liste
   if (input.request.view.paused) live.send(live::Step{});
   window_is_open.push(true);
   const Result<void> shown = window->show(live);
-  FeedEnd end = fed.get();
+  PlayEnd end = fed.get();
   if (!shown && end.failure.empty()) end.failure = shown.error().message;
   return end;
 }
@@ -86,17 +86,17 @@ Result<void> check_watchers(const RunRequest& request) {
   return options ? Result<void>() : options.error();
 }
 
-Result<FeedEnd> feed_watched(const FeedInput& input, SlamSystem& system, Listeners& listeners,
+Result<PlayEnd> play_watched(const PlayInput& input, SlamSystem& system, Listeners& listeners,
                              bool has_detector, const std::filesystem::path& folder) {
   const RunRequest& request = input.request;
-  if (!request.view.window && !request.serve) return feed(input, system, listeners, nullptr);
+  if (!request.view.window && !request.serve) return play(input, system, listeners, nullptr);
   LiveControl live(live_scene(input, has_detector, folder));
   const Result<std::unique_ptr<LiveServer>> server = serve(request, live);
   if (!server) return server.error();
 #ifdef YDD_HAS_WINDOW
-  if (request.view.window) return feed_in_window(input, system, listeners, live, folder);
+  if (request.view.window) return play_in_window(input, system, listeners, live, folder);
 #endif
-  return feed_or_tell(input, system, listeners, live);
+  return play_for_watchers(input, system, listeners, live);
 }
 
 }  // namespace ydd::app

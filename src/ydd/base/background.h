@@ -17,7 +17,7 @@ namespace ydd {
 /// throws is one) the rest is dropped, and every call tells that failure.
 ///
 /// Thread: one gives; `work` runs on the other. Whatever `work` refers to must outlive this. The
-/// destructor works off what waits.
+/// destructor finishes what is queued.
 template <class T>
 class Background {
  public:
@@ -41,7 +41,7 @@ class Background {
     if (auto r = failure(); !r) return r.error();
     return taken;
   }
-  /// Works off what waits. Afterwards nothing may be given.
+  /// Finishes what is queued. Afterwards nothing may be given.
   Result<void> finish() {
     values_.close();
     if (thread_.joinable()) thread_.join();

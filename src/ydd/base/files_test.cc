@@ -163,7 +163,7 @@ TEST_F(Files, OnlyRegularFilesAreRead) {
   const auto endless = read_file("/dev/zero");
   ASSERT_FALSE(endless);
   EXPECT_THAT(endless.error().message, HasSubstr("/dev/zero: is a device, not a file"));
-  EXPECT_TRUE(read_file("/proc/self/status")) << "a file whose size is told as 0";
+  EXPECT_TRUE(read_file("/proc/self/status")) << "a file whose size is reported as 0";
 }
 
 TEST_F(Files, ABoundIsKept) {
@@ -172,7 +172,7 @@ TEST_F(Files, ABoundIsKept) {
   const auto over = read_file_bounded(folder_ / "a", 99'999);
   ASSERT_FALSE(over);
   EXPECT_THAT(over.error().message, HasSubstr("a: has more than 99999 bytes"));
-  EXPECT_FALSE(read_file_bounded("/proc/self/status", 10)) << "its size is told as 0";
+  EXPECT_FALSE(read_file_bounded("/proc/self/status", 10)) << "its size is reported as 0";
 }
 
 }  // namespace

@@ -68,8 +68,11 @@ bool assign(const Option& option, std::string_view text) {
     return true;
   }
   const auto& choices = option.choices;
-  if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) {
-    return false;
+  const auto found = std::find(choices.begin(), choices.end(), text);
+  if (!choices.empty() && found == choices.end()) return false;
+  if (const auto* choice = std::get_if<ChoiceTarget>(&option.target)) {
+    choice->set(choice->place, static_cast<std::size_t>(found - choices.begin()));
+    return true;
   }
   *std::get<std::string*>(option.target) = std::string(text);
   return true;
@@ -181,6 +184,13 @@ void OptionTable::add(std::string_view key, std::string& value, std::vector<std:
   option.choices = std::move(choices);
 }
 
+void OptionTable::add_choice(std::string_view key, std::vector<std::string> choices,
+                             ChoiceTarget target, std::string_view sentence) {
+  Option& option = append(key, sentence);
+  option.target = target;
+  option.choices = std::move(choices);
+}
+
 Result<void> OptionTable::set(std::string_view key, std::string_view text,
                               std::string_view source) {
   const auto found = std::find_if(options_.begin(), options_.end(),
@@ -219,6 +229,10 @@ std::string format_value(const Option& option) {
   if (auto* const* i = std::get_if<int*>(&option.target)) return fmt::format("{}", **i);
   if (auto* const* d = std::get_if<double*>(&option.target)) return fmt::format("{}", **d);
   YAML::Emitter out;
+  if (const auto* choice = std::get_if<ChoiceTarget>(&option.target)) {
+    out << option.choices.at(choice->get(choice->place));
+    return out.c_str();
+  }
   out << *std::get<std::string*>(option.target);
   return out.c_str();
 }

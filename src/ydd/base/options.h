@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "ydd/base/choice.h"
 #include "ydd/base/result.h"
 
 namespace ydd {
@@ -18,14 +19,21 @@ struct Range {
   double max = std::numeric_limits<double>::infinity();
 };
 
+/// An enumeration somewhere, by the number of its value.
+struct ChoiceTarget {
+  void* place = nullptr;
+  std::size_t (*get)(const void* place) = nullptr;
+  void (*set)(void* place, std::size_t value) = nullptr;
+};
+
 /// One setting: where its value lives, what may stand there, and a sentence about it.
 struct Option {
   std::string key;   ///< dotted: "orb.levels"
   std::string unit;  ///< "px", "m", "s"; empty for a plain number
   Range range;
-  std::vector<std::string> choices;  ///< of a text option; empty: any text
+  std::vector<std::string> choices;  ///< of an enumeration; for a text option also empty: any text
   std::string sentence;
-  std::variant<bool*, int*, double*, std::string*> target;
+  std::variant<bool*, int*, double*, std::string*, ChoiceTarget> target;
 };
 
 /// All options of a structure, bound to its members.
@@ -48,6 +56,16 @@ class OptionTable {
            std::string_view sentence);
   void add(std::string_view key, std::string& value, std::vector<std::string> choices,
            std::string_view sentence);
+  template <Choice E>
+  void add(std::string_view key, E& value, std::string_view sentence) {
+    const auto names = choices_of(value);
+    add_choice(
+        key, {names.begin(), names.end()},
+        {&value,
+         [](const void* place) { return static_cast<std::size_t>(*static_cast<const E*>(place)); },
+         [](void* place, std::size_t number) { *static_cast<E*>(place) = static_cast<E>(number); }},
+        sentence);
+  }
 
   /// Adds the options of `part` below `key`.
   template <class Part>
@@ -75,6 +93,8 @@ class OptionTable {
 
  private:
   Option& append(std::string_view key, std::string_view sentence);
+  void add_choice(std::string_view key, std::vector<std::string> choices, ChoiceTarget target,
+                  std::string_view sentence);
   std::string prefix_;
   std::vector<Option> options_;
 };

@@ -60,7 +60,7 @@ Scene wall_scene(bool ghost, bool distorted = false) {
     for (std::size_t k = 0; k < views[v].shown.size(); ++k) {
       MapPointId& point = points[static_cast<std::size_t>(views[v].shown[k])];
       if (point.valid()) {
-        scene.atlas.add_sighting(point, id, static_cast<int>(k));
+        scene.atlas.add_observation(point, id, static_cast<int>(k));
       } else {
         point = scene.atlas.add_point({0, 0, 3}, id, static_cast<int>(k));
       }

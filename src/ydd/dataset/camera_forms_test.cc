@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera files as other programmes write them, in miniature.
+// Camera files as other programs write them, in miniature.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 namespace ydd {
 
 /// The cameras that need no file: tum_fr1, tum_fr2, tum_fr3, bonn, office. The same values as
-/// configs/camera/*.yaml, compiled in so that the programme works from anywhere.
+/// configs/camera/*.yaml, compiled in so that the program works from anywhere.
 const std::vector<Camera>& camera_presets();
 
 /// The preset of that name.

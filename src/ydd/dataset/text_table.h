@@ -44,7 +44,7 @@ Error row_error(const std::filesystem::path& file, const TextRow& row, const std
 std::string quoted(const TextRow& row);
 
 /// A field as a stamp: seconds, or nanoseconds where the header says so or where a whole number is
-/// so long that it can be nothing else. Other units are told apart, not guessed.
+/// so long that it can be nothing else. Other units are recognised, not guessed.
 Result<Timestamp> field_stamp(const std::filesystem::path& file, const TextTable& table,
                               const TextRow& row, std::size_t field);
 

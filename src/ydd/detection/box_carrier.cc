@@ -96,7 +96,7 @@ struct BoxCarrier::Picture {
 
 void CarryOptions::describe(OptionTable& table) {
   table.add(
-      "motion", motion, {"flow", "constant", "none"},
+      "motion", motion,
       "flow: with the points in them; constant: as fast as between results; none: boxes stay");
   table.add("missed", missed, {0, 100}, "", "a person survives so many results without it");
   table.add("seen", seen, {1, 100}, "", "if so many results had it");
@@ -118,7 +118,7 @@ void BoxCarrier::advance(const RgbdFrame& frame) {
   picture.depth_m = frame.depth_m;
   picture.width_px = static_cast<float>(frame.grey.width());
   picture.height_px = static_cast<float>(frame.grey.height());
-  if (options_.motion == "flow" && !frame.grey.empty()) {
+  if (options_.motion == BoxMotion::flow && !frame.grey.empty()) {
     picture.scale = std::min(1.0F, kSmallWidth_px / picture.width_px);
     // Read only, but a Mat cannot say so.
     const cv::Mat grey(frame.grey.height(), frame.grey.width(), CV_8UC1,
@@ -133,7 +133,7 @@ void BoxCarrier::advance(const RgbdFrame& frame) {
 }
 
 void BoxCarrier::move(std::vector<Thing>& things, const Picture& from, const Picture& to) const {
-  if (options_.motion == "none") return;
+  if (options_.motion == BoxMotion::none) return;
   const std::vector<Flow> flows = flows_of(things, from, to);
   for (std::size_t i = 0; i < things.size(); ++i) {
     Thing& thing = things[i];

@@ -12,9 +12,15 @@
 
 namespace ydd {
 
+/// How a box is believed to move between two results.
+enum class BoxMotion { flow, constant, none };
+constexpr std::array<std::string_view, 3> choices_of(BoxMotion) {
+  return {"flow", "constant", "none"};
+}
+
 /// How boxes get from the frame in which a detector saw them to the newest one.
 struct CarryOptions {
-  std::string motion = "flow";
+  BoxMotion motion = BoxMotion::flow;
   int missed = 2;        ///< results without it that a person survives
   int seen = 2;          ///< results with it that make a person worth that
   double overlap = 0.3;  ///< intersection over union that makes two boxes the same thing

@@ -97,7 +97,7 @@ TEST(BoxCarrier, AResultForAnEarlierFrameIsBroughtToTheNewest) {
 TEST(BoxCarrier, ConstantVelocityComesFromTwoResults) {
   const World world;
   CarryOptions options;
-  options.motion = "constant";
+  options.motion = BoxMotion::constant;
   BoxCarrier carrier(options);
   carrier.advance(world.frame(0));
   carrier.take(0, seen(world.box(0)));

@@ -195,9 +195,8 @@ void NetworkConfig::describe(OptionTable& t) {
   inference.describe(t);
   t.add("input.width", input_width_px, size, "px", "the picture is scaled into it; multiple of 32");
   t.add("input.height", input_height_px, size, "px", "likewise");
-  t.add("input.channels", channel_order, {"auto", "rgb", "bgr"},
-        "auto: as the kind was published (yolox bgr, others rgb)");
-  t.add("input.values", values, {"auto", "unit", "byte"},
+  t.add("input.channels", channel_order, "auto: as the kind was published (yolox bgr, others rgb)");
+  t.add("input.values", values,
         "unit: 0 to 1, byte: 0 to 255; auto: as the kind was published (yolox byte, others unit)");
   t.add("score_threshold", score_threshold, {0.01, 1}, "", "weaker detections are dropped");
   t.add("nms_iou", nms_iou, {0, 1}, "",

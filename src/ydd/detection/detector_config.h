@@ -17,6 +17,16 @@
 
 namespace ydd {
 
+/// In which order and range a network wants its picture; auto: as its kind was published.
+enum class ChannelOrder { automatic, rgb, bgr };
+constexpr std::array<std::string_view, 3> choices_of(ChannelOrder) {
+  return {"auto", "rgb", "bgr"};
+}
+enum class PixelValues { automatic, unit, byte };
+constexpr std::array<std::string_view, 3> choices_of(PixelValues) {
+  return {"auto", "unit", "byte"};
+}
+
 /// One network of a detector file.
 struct NetworkConfig {
   std::string name;  ///< key in `networks`
@@ -26,7 +36,8 @@ struct NetworkConfig {
   std::string kind = "auto";  ///< of YoloKind, or auto
   InferenceOptions inference;
   int input_width_px = 640, input_height_px = 480;
-  std::string channel_order = "auto", values = "auto";
+  ChannelOrder channel_order = ChannelOrder::automatic;
+  PixelValues values = PixelValues::automatic;
   double score_threshold = 0.3;
   double nms_iou = 0.45;
 

@@ -112,8 +112,12 @@ YoloSettings settings_of(const NetworkConfig& network, std::vector<YoloClass> cl
   settings.kind = parse_yolo_kind(network.kind);  // nothing for "auto"
   settings.input_width_px = network.input_width_px;
   settings.input_height_px = network.input_height_px;
-  if (network.channel_order != "auto") settings.rgb = network.channel_order == "rgb";
-  if (network.values != "auto") settings.value_scale = network.values == "unit" ? 1.0F / 255 : 1.0F;
+  if (network.channel_order != ChannelOrder::automatic) {
+    settings.rgb = network.channel_order == ChannelOrder::rgb;
+  }
+  if (network.values != PixelValues::automatic) {
+    settings.value_scale = network.values == PixelValues::unit ? 1.0F / 255 : 1.0F;
+  }
   settings.nms_iou = static_cast<float>(network.nms_iou);
   return settings;
 }

@@ -81,14 +81,14 @@ float largest_difference(const std::vector<Answer>& a, const std::vector<Answer>
 }
 
 std::unique_ptr<InferenceSession> reference(const std::string& onnx) {
-  auto session = make_opencv_session(onnx, {.backend = "opencv"});
+  auto session = make_opencv_session(onnx, {.backend = Backend::opencv});
   EXPECT_TRUE(session.ok()) << session.error().message;
   return session ? std::move(*session) : nullptr;
 }
 
 TEST(NetworkBackends, OneDnnComputesWhatOpenCvComputes) {
   const std::string model = testing_onnx::miniature_yolo_model();
-  auto quick = make_onednn_session(model, {.precision = "float32"});
+  auto quick = make_onednn_session(model, {.precision = Precision::float32});
   if (!quick) GTEST_SKIP() << quick.error().message;
   const auto slow = reference(model);
   ASSERT_NE(slow, nullptr);
@@ -112,7 +112,7 @@ TEST(NetworkBackends, OneDnnRepeatsItselfAndTakesThreads) {
 
 TEST(NetworkBackends, Bfloat16IsCloseEnough) {
   const std::string model = testing_onnx::miniature_yolo_model();
-  auto quick = make_onednn_session(model, {.precision = "bfloat16"});
+  auto quick = make_onednn_session(model, {.precision = Precision::bfloat16});
   if (!quick) GTEST_SKIP() << quick.error().message;
   const auto slow = reference(model);
   ASSERT_NE(slow, nullptr);
@@ -153,12 +153,12 @@ TEST(NetworkBackends, RealWeightsGiveTheSameBoxes) {
     const auto slow = reference(*bytes);
     ASSERT_NE(slow, nullptr);
     const auto expected = answers(*slow, 320, 256, weights.scale);
-    for (const char* precision : {"float32", "bfloat16"}) {
+    for (const Precision precision : {Precision::float32, Precision::bfloat16}) {
       auto quick = make_onednn_session(*bytes, {.precision = precision});
       if (!quick) continue;
-      const float allowed = std::string(precision) == "float32" ? 1e-3F : 0.35F;
+      const float allowed = precision == Precision::float32 ? 1e-3F : 0.35F;
       EXPECT_LT(largest_difference(answers(**quick, 320, 256, weights.scale), expected), allowed)
-          << weights.file << " " << precision;
+          << weights.file << " " << to_string(precision);
     }
   }
 }

@@ -185,7 +185,7 @@ bool continuous(float a_m, float b_m, double step_share) {
 
 std::vector<MovingRegion> connected_things(const DepthImage& depth_m,
                                            std::span<const MovingRegion> bodies,
-                                           const ConnectedThingOptions& options) {
+                                           const ConnectedObjectOptions& options) {
   if (bodies.empty()) return {};
   DepthGrid grid(depth_m, options.cell_px);
   std::vector<CellRect> rects;

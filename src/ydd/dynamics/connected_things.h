@@ -29,6 +29,6 @@ bool continuous(float a_m, float b_m, double step_share);
 /// `bodies` are regions of persons; full rejections have no range and are passed over.
 std::vector<MovingRegion> connected_things(const DepthImage& depth_m,
                                            std::span<const MovingRegion> bodies,
-                                           const ConnectedThingOptions& options);
+                                           const ConnectedObjectOptions& options);
 
 }  // namespace ydd

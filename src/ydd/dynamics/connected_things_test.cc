@@ -10,7 +10,7 @@ namespace {
 
 using scene_testing::PaintedScene;
 
-const ConnectedThingOptions kConnected;
+const ConnectedObjectOptions kConnected;
 constexpr Box kBodyBox{200, 100, 300, 480};
 const std::vector<MovingRegion> kBodies = {{7, Rule::body_depth, kBodyBox, DepthRange{1.0F, 2.0F}}};
 

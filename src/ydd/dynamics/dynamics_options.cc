@@ -2,26 +2,8 @@
 #include "ydd/dynamics/dynamics_options.h"
 
 #include <algorithm>
-#include <array>
-#include <stdexcept>
 
 namespace ydd {
-namespace {
-
-constexpr std::array<std::string_view, 4> kVariants = {"off", "box", "person", "full"};
-
-}  // namespace
-
-std::string_view to_string(Variant variant) {
-  return kVariants.at(static_cast<std::size_t>(variant));
-}
-
-std::optional<Variant> parse_variant(std::string_view name) {
-  const auto* const found = std::find(kVariants.begin(), kVariants.end(), name);
-  if (found == kVariants.end()) return std::nullopt;
-  return static_cast<Variant>(found - kVariants.begin());
-}
-
 void ObjectDepthOptions::describe(OptionTable& table) {
   table.add("arm_samples", arm_samples, {1, 100}, "", "depth samples on each arm of the cross");
   table.add("arm_share", arm_share, {0.01, 0.5}, "",
@@ -61,7 +43,7 @@ void CompensationOptions::describe(OptionTable& table) {
   table.add("most_points", most_points, {50, 100000}, "", "points never exceeded by compensation");
 }
 
-void ConnectedThingOptions::describe(OptionTable& table) {
+void ConnectedObjectOptions::describe(OptionTable& table) {
   table.add("cell_px", cell_px, {1, 32}, "px", "step at which the depth image is looked at");
   table.add("step_share", step_share, {0.001, 1}, "",
             "largest step in depth between neighbouring cells of one surface, share of the depth");
@@ -107,20 +89,8 @@ void RefinementOptions::describe(OptionTable& table) {
   table.group("bridge", bridge);
 }
 
-RefinementOptions RefinementOptions::effective() const {
-  RefinementOptions result = *this;
-  if (enabled) return result;
-  for (bool* refinement :
-       {&result.uncovered_heads, &result.own_heads, &result.entangled_by_head,
-        &result.hidden_bodies, &result.spare_unmeasured, &result.any_hand, &result.lone_parts,
-        &result.surrounded, &result.connected, &result.bridging}) {
-    *refinement = false;
-  }
-  return result;
-}
-
 void DynamicsOptions::describe(OptionTable& table) {
-  table.add("variant", variant, {"off", "box", "person", "full"},
+  table.add("variant", variant,
             "what is rejected: nothing, person boxes, persons by depth, the whole method");
   table.add("static_after_frames", static_after_frames, {1, 1000}, "frames",
             "frames without a dynamic object after which a frame is static");
@@ -138,9 +108,16 @@ void DynamicsOptions::describe(OptionTable& table) {
   table.group("refinement", refinement);
 }
 
-Variant DynamicsOptions::parsed_variant() const {
-  if (const auto parsed = parse_variant(variant)) return *parsed;
-  throw std::logic_error("DynamicsOptions: unknown variant '" + variant + "'");
+DynamicsOptions DynamicsOptions::resolved() const {
+  DynamicsOptions result = *this;
+  if (refinement.enabled) return result;
+  RefinementOptions& r = result.refinement;
+  for (bool* const option : {&r.uncovered_heads, &r.own_heads, &r.entangled_by_head,
+                             &r.hidden_bodies, &r.spare_unmeasured, &r.any_hand, &r.lone_parts,
+                             &r.surrounded, &r.connected, &r.bridging}) {
+    *option = false;
+  }
+  return result;
 }
 
 }  // namespace ydd

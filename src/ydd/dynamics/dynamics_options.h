@@ -11,9 +11,9 @@ namespace ydd {
 
 /// What is rejected (docs/method.md, section 9).
 enum class Variant { off, box, person, full };
-std::string_view to_string(Variant variant);
-/// Nothing unless `name` is one of the four.
-std::optional<Variant> parse_variant(std::string_view name);
+constexpr std::array<std::string_view, 4> choices_of(Variant) {
+  return {"off", "box", "person", "full"};
+}
 
 /// Section 3: where an object's depth is sampled.
 struct ObjectDepthOptions {
@@ -52,7 +52,7 @@ struct CompensationOptions {
 };
 
 /// Beyond the article: what sticks out of the box of a body.
-struct ConnectedThingOptions {
+struct ConnectedObjectOptions {
   int cell_px = 4;            ///< step at which the depth image is looked at
   double step_share = 0.03;   ///< of the depth: largest step between cells of one surface
   double reach_m = 0.4;       ///< a surface that goes on further from the box is furniture
@@ -85,17 +85,15 @@ struct RefinementOptions {
   int surround_axes = 3;          ///< of four axes through the point, that end on it both ways
   double unmeasured_edge_px = 3;  ///< the edge radius for points without a reading of their own
   bool connected = true;          ///< what sticks out of a body's box moves with it
-  ConnectedThingOptions connected_things;
+  ConnectedObjectOptions connected_things;
   bool bridging = true;  ///< persons missed for a few frames are carried on
   BridgingOptions bridge;
-  /// As set, or with every refinement off unless `enabled`.
-  RefinementOptions effective() const;
   void describe(OptionTable& table);
 };
 
 /// All of the method's thresholds. Depth extents live in the object catalogue.
 struct DynamicsOptions {
-  std::string variant = "full";
+  Variant variant = Variant::full;
   int static_after_frames = 5;    ///< without a dynamic object: from then on a frame is static
   double front_allowance = 0.2;   ///< share of the extent in front of the approximate minimum depth
   double small_box_share = 0.01;  ///< of the image: below it every point of a box goes
@@ -108,8 +106,9 @@ struct DynamicsOptions {
   RefinementOptions refinement;
 
   void describe(OptionTable& table);
-  /// @throws std::logic_error when `variant` is none of the four (describe() lets no other in).
-  Variant parsed_variant() const;
+  /// What is meant: unless `refinement.enabled`, every refinement is off. Functions below the judge
+  /// ask for nothing but their own switch.
+  DynamicsOptions resolved() const;
 };
 
 }  // namespace ydd

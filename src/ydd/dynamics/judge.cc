@@ -38,8 +38,8 @@ std::vector<ObjectJudgement> explain(const Scene& scene, std::span<const MovingR
 /// Edges and surroundings belong to variant `full`.
 PointRuleOptions point_rule_options(const DynamicsOptions& options) {
   PointRuleOptions result;
-  if (options.parsed_variant() != Variant::full) return result;
-  const RefinementOptions refinement = options.refinement.effective();
+  if (options.variant != Variant::full) return result;
+  const RefinementOptions& refinement = options.refinement;
   result.edge_radius_px = static_cast<float>(options.edge_radius_px);
   result.unmeasured_edge_px = static_cast<float>(
       options.refinement.enabled ? refinement.unmeasured_edge_px : options.edge_radius_px);
@@ -55,7 +55,7 @@ Judgement judge_scene(const DynamicsOptions& options, const Scene& scene,
   const auto bodies = static_cast<std::ptrdiff_t>(regions.size());
   const std::vector<MovingRegion> things = thing_regions(scene, options);
   regions.insert(regions.end(), things.begin(), things.end());
-  if (options.parsed_variant() == Variant::full && options.refinement.effective().connected) {
+  if (options.variant == Variant::full && options.refinement.connected) {
     const std::vector<MovingRegion> connected = connected_things(
         scene.depth_m, std::span(regions).first(bodies), options.refinement.connected_things);
     regions.insert(regions.end(), connected.begin(), connected.end());
@@ -84,8 +84,9 @@ int Judgement::rejected() const {
 Judgement judge_frame(const DynamicsOptions& options, const ObjectCatalogue& catalogue,
                       const Features& features, const Detections& detections,
                       const DepthImage& depth_m) {
-  const Scene scene = make_scene(detections, catalogue, depth_m, options);
-  return judge_scene(options, scene, body_regions(scene, options), features);
+  const DynamicsOptions resolved = options.resolved();
+  const Scene scene = make_scene(detections, catalogue, depth_m, resolved);
+  return judge_scene(resolved, scene, body_regions(scene, resolved), features);
 }
 
 FilteredFeatures filter_features(const Features& features, const Judgement& judgement) {
@@ -107,13 +108,13 @@ FilteredFeatures filter_features(const Features& features, const Judgement& judg
 }
 
 DynamicsJudge::DynamicsJudge(const DynamicsOptions& options, ObjectCatalogue catalogue)
-    : options_(options),
+    : options_(options.resolved()),
       catalogue_(std::move(catalogue)),
       switch_(options.static_after_frames),
       budget_(options.compensation.points) {}
 
 void DynamicsJudge::set_variant(Variant variant) {
-  options_.variant = to_string(variant);
+  options_.variant = variant;
   tracks_.clear();
 }
 
@@ -138,8 +139,8 @@ Judgement DynamicsJudge::judge(const Features& features, const Detections& detec
 
 std::vector<MovingRegion> DynamicsJudge::carry(const std::vector<MovingRegion>& bodies,
                                                const DepthImage& depth_m) {
-  const RefinementOptions refinement = options_.refinement.effective();
-  if (options_.parsed_variant() != Variant::full || !refinement.bridging) return {};
+  const RefinementOptions& refinement = options_.refinement;
+  if (options_.variant != Variant::full || !refinement.bridging) return {};
   Bridging bridging = bridge(tracks_, bodies, depth_m.width(), depth_m.height(), refinement.bridge);
   tracks_ = std::move(bridging.tracks);
   return std::move(bridging.regions);

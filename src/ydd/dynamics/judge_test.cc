@@ -34,9 +34,9 @@ Rule rule_at(const PaintedScene& scene, float x, float y,
   return rules(scene, {{x, y}}, options)[0];
 }
 
-DynamicsOptions variant(const std::string& name) {
+DynamicsOptions variant(std::string_view name) {
   DynamicsOptions options;
-  options.variant = name;
+  options.variant = parse_choice<Variant>(name).value();
   return options;
 }
 

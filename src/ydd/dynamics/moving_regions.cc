@@ -37,7 +37,7 @@ bool is_potential(Subcategory subcategory) {
 /// The hands that may move an object: the matched ones, with `any_hand` all.
 std::vector<int> moving_hands(const Scene& scene, const DynamicsOptions& options) {
   std::vector<int> hands;
-  if (options.refinement.effective().any_hand) {
+  if (options.refinement.any_hand) {
     for_objects(scene, is_hand, [&](int i) { hands.push_back(i); });
     return hands;
   }
@@ -79,7 +79,7 @@ std::vector<int> lone_parts(const Scene& scene) {
 /// tells the farther one apart, what the others leave of its box does.
 std::vector<MovingRegion> with_hidden_bodies(const Scene& scene, const DynamicsOptions& options,
                                              std::vector<MovingRegion> regions) {
-  const RefinementOptions refinement = options.refinement.effective();
+  const RefinementOptions& refinement = options.refinement;
   if (!refinement.hidden_bodies) return regions;
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const Body& body = scene.bodies[i];
@@ -103,8 +103,8 @@ std::vector<MovingRegion> with_hidden_bodies(const Scene& scene, const DynamicsO
 Scene make_scene(const Detections& detections, const ObjectCatalogue& catalogue,
                  const DepthImage& depth_m, const DynamicsOptions& options) {
   Scene scene;
-  const RefinementOptions refinement = options.refinement.effective();
-  const bool full = options.parsed_variant() == Variant::full;
+  const RefinementOptions& refinement = options.refinement;
+  const bool full = options.variant == Variant::full;
   scene.objects = measure_objects(detections, catalogue, depth_m, options.object_depth,
                                   full && refinement.uncovered_heads);
   scene.bodies = match_bodies(scene.objects, options.matching, full && refinement.own_heads);
@@ -125,8 +125,8 @@ MovingRegion body_region(const Scene& scene, const Body& body, const DynamicsOpt
   }
   // Of two entangled persons the nearer one gives the measured depth of both boxes; a head of its
   // own tells the farther one apart.
-  const bool by_head = options.refinement.effective().entangled_by_head && body.head >= 0 &&
-                       scene.objects[body.head].depth_m;
+  const bool by_head =
+      options.refinement.entangled_by_head && body.head >= 0 && scene.objects[body.head].depth_m;
   if (body.entangled && !by_head) return region_of(scene, body.person, Rule::full_entangled);
   return person_region(scene, body, options);
 }
@@ -143,7 +143,7 @@ std::optional<MovingRegion> moved_region(const Scene& scene, int object,
                                          const DynamicsOptions& options) {
   const SceneObject& thing = scene.objects[object];
   if (!thing.depth_m) {
-    const bool spare = options.refinement.effective().spare_unmeasured;
+    const bool spare = options.refinement.spare_unmeasured;
     if (!may_be_moved(scene, thing, !spare, options)) return std::nullopt;
     return region_of(scene, object, Rule::full_depth_failed);
   }
@@ -184,7 +184,7 @@ MovingRegion lone_part_region(const Scene& scene, int object, const DynamicsOpti
 }
 
 std::vector<MovingRegion> body_regions(const Scene& scene, const DynamicsOptions& options) {
-  const Variant variant = options.parsed_variant();
+  const Variant variant = options.variant;
   std::vector<MovingRegion> regions;
   if (variant == Variant::off) return regions;
   for (const Body& body : scene.bodies) {
@@ -198,13 +198,13 @@ std::vector<MovingRegion> body_regions(const Scene& scene, const DynamicsOptions
 
 std::vector<MovingRegion> thing_regions(const Scene& scene, const DynamicsOptions& options) {
   std::vector<MovingRegion> regions;
-  if (options.parsed_variant() != Variant::full) return regions;
+  if (options.variant != Variant::full) return regions;
   for_objects(scene, is_automatic,
               [&](int i) { regions.push_back(automatic_region(scene, i, options)); });
   for_objects(scene, is_potential, [&](int i) {
     if (auto region = moved_region(scene, i, options)) regions.push_back(*region);
   });
-  if (options.refinement.effective().lone_parts) {
+  if (options.refinement.lone_parts) {
     for (const int i : lone_parts(scene)) regions.push_back(lone_part_region(scene, i, options));
   }
   for_objects(scene, is_hand, [&](int i) { regions.push_back(hand_region(scene, i, options)); });

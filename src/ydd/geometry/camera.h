@@ -53,6 +53,9 @@ struct Camera {
   /// the image for the lenses of RGB-D cameras.
   Eigen::Vector2d undistort(const Eigen::Vector2d& image_px) const;
 
+  bool contains(const Eigen::Vector2d& px) const {
+    return px.x() >= 0 && px.y() >= 0 && px.x() < width_px && px.y() < height_px;
+  }
   bool is_valid_depth(double depth_m) const {
     return depth_m >= min_depth_m && depth_m <= max_depth_m;
   }

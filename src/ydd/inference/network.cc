@@ -21,22 +21,23 @@ namespace {
 /// The quickest that can: docs/adr/0007-inference-back-ends.md. OpenCV's reason is the one that
 /// counts, as it reads most kinds of networks.
 SessionResult make_quickest_session(std::string_view onnx, const InferenceOptions& options) {
-  if (options.device != "cpu") return make_opencv_session(onnx, options);
+  if (options.device != Device::cpu) return make_opencv_session(onnx, options);
   SessionResult quick = make_onednn_session(onnx, options);
   if (quick) return quick;
   log::debug("oneDNN does not take this network: {}", quick.error().message);
-  if (options.precision == "bfloat16") return quick.error();
+  if (options.precision == Precision::bfloat16) return quick.error();
   if (!options.onnxruntime.empty()) return make_onnxruntime_session(onnx, options);
   return make_opencv_session(onnx, options);
 }
 
 SessionResult make_session(std::string_view onnx, const InferenceOptions& options) {
-  if (options.device != "cpu" && options.backend != "auto" && options.backend != "opencv") {
-    return Error{fmt::format("'device: {}' needs 'backend: opencv'", options.device)};
+  if (options.device != Device::cpu && options.backend != Backend::automatic &&
+      options.backend != Backend::opencv) {
+    return Error{fmt::format("'device: {}' needs 'backend: opencv'", to_string(options.device))};
   }
-  if (options.backend == "onednn") return make_onednn_session(onnx, options);
-  if (options.backend == "onnxruntime") return make_onnxruntime_session(onnx, options);
-  if (options.backend == "opencv") return make_opencv_session(onnx, options);
+  if (options.backend == Backend::onednn) return make_onednn_session(onnx, options);
+  if (options.backend == Backend::onnxruntime) return make_onnxruntime_session(onnx, options);
+  if (options.backend == Backend::opencv) return make_opencv_session(onnx, options);
   return make_quickest_session(onnx, options);
 }
 
@@ -132,12 +133,11 @@ std::string format_shape(const std::vector<int>& shape) {
 }
 
 void InferenceOptions::describe(OptionTable& table) {
-  table.add("backend", backend, {"auto", "onednn", "onnxruntime", "opencv"},
+  table.add("backend", backend,
             "library that runs the network; auto: the quickest that can (oneDNN, else ONNX Runtime "
             "if its library is named, else OpenCV)");
-  table.add("device", device, {"cpu", "cuda"},
-            "cuda needs backend opencv and an OpenCV that was built with it");
-  table.add("precision", precision, {"auto", "float32", "bfloat16", "float16"},
+  table.add("device", device, "cuda needs backend opencv and an OpenCV that was built with it");
+  table.add("precision", precision,
             "auto: bfloat16 where the processor multiplies matrices of it (AMX), else float32; "
             "bfloat16 needs backend onednn, float16 device cuda");
   table.add("threads", threads, {1, 64}, "",

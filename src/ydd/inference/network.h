@@ -34,10 +34,21 @@ class InferenceSession {
   virtual Result<std::vector<Tensor>> run(const Tensor& input) = 0;
 };
 
+enum class Backend { automatic, onednn, onnxruntime, opencv };
+constexpr std::array<std::string_view, 4> choices_of(Backend) {
+  return {"auto", "onednn", "onnxruntime", "opencv"};
+}
+enum class Device { cpu, cuda };
+constexpr std::array<std::string_view, 2> choices_of(Device) { return {"cpu", "cuda"}; }
+enum class Precision { automatic, float32, bfloat16, float16 };
+constexpr std::array<std::string_view, 4> choices_of(Precision) {
+  return {"auto", "float32", "bfloat16", "float16"};
+}
+
 struct InferenceOptions {
-  std::string backend = "auto";
-  std::string device = "cpu";
-  std::string precision = "auto";
+  Backend backend = Backend::automatic;
+  Device device = Device::cpu;
+  Precision precision = Precision::automatic;
   int threads = 1;
   std::string onnxruntime{};  ///< shared library
   /// The size of picture that it will get, where the file leaves it open; 0: not known yet.

@@ -22,7 +22,7 @@ SessionResult make_opencv_session(std::string_view onnx, const InferenceOptions&
 /// processors without AVX2, and where this build has no oneDNN.
 SessionResult make_onednn_session(std::string_view onnx, const InferenceOptions& options);
 
-/// Whatever ONNX Runtime reads; its shared library is looked for when the programme runs.
+/// Whatever ONNX Runtime reads; its shared library is looked for when the program runs.
 SessionResult make_onnxruntime_session(std::string_view onnx, const InferenceOptions& options);
 
 }  // namespace ydd

@@ -119,22 +119,22 @@ TEST_F(NetworkFile, DamageInsideTheGraphAndUnknownOperatorsAreOneLine) {
 
 TEST_F(NetworkFile, ABackendThatIsNotThereIsNamed) {
   const std::string model = onnx::colour_spotter_model();
-  EXPECT_THAT(failure_of(model, {.backend = "opencv", .precision = "float16"}),
+  EXPECT_THAT(failure_of(model, {.backend = Backend::opencv, .precision = Precision::float16}),
               HasSubstr("float16 needs 'device: cuda'"));
-  EXPECT_THAT(failure_of(model, {.backend = "onednn", .device = "cuda"}),
+  EXPECT_THAT(failure_of(model, {.backend = Backend::onednn, .device = Device::cuda}),
               HasSubstr("'device: cuda' needs 'backend: opencv'"));
-  EXPECT_THAT(failure_of(model, {.backend = "onnxruntime", .onnxruntime = "/no/such.so"}),
+  EXPECT_THAT(failure_of(model, {.backend = Backend::onnxruntime, .onnxruntime = "/no/such.so"}),
               HasSubstr("ONNX Runtime cannot be loaded: /no/such.so"));
-  EXPECT_THAT(failure_of(model, {.backend = "onnxruntime", .onnxruntime = "libm.so.6"}),
+  EXPECT_THAT(failure_of(model, {.backend = Backend::onnxruntime, .onnxruntime = "libm.so.6"}),
               HasSubstr("is not ONNX Runtime"));
-  const std::string cuda = failure_of(model, {.device = "cuda"});
+  const std::string cuda = failure_of(model, {.device = Device::cuda});
   if (cuda == "loaded") GTEST_SKIP() << "this OpenCV has CUDA";
   EXPECT_THAT(cuda, HasSubstr("'device: cuda' is not available"));
 }
 
 TEST_F(NetworkFile, WhatOneDnnDoesNotKnowGoesToOpenCv) {
   const std::string model = onnx::single_operator_model("Tanh");
-  const std::string refused = failure_of(model, {.backend = "onednn"});
+  const std::string refused = failure_of(model, {.backend = Backend::onednn});
   if (refused.find("no oneDNN") != std::string::npos) GTEST_SKIP() << refused;
   EXPECT_THAT(refused, HasSubstr("oneDNN cannot load it: operator Tanh"));
   EXPECT_EQ(failure_of(model), "loaded");

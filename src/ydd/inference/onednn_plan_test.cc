@@ -56,7 +56,7 @@ constexpr ForcedIsa kIsas[] = {{"sse41", dnnl::cpu_isa::sse41},
   for (std::size_t i = 0; i < input.size(); ++i) {
     input[i] = static_cast<float>((i * 2654435761U) % 1000U) / 1000.0F;
   }
-  auto slow = make_opencv_session(onnx, {.backend = "opencv"});
+  auto slow = make_opencv_session(onnx, {.backend = Backend::opencv});
   if (!slow) end_child(slow.error().message);
   auto expected = (*slow)->run({shape, input});
   if (!expected) end_child(expected.error().message);

@@ -45,16 +45,17 @@ class OnednnSession : public InferenceSession {
 }  // namespace
 
 SessionResult make_onednn_session(std::string_view onnx, const InferenceOptions& options) {
-  if (options.precision == "float16") return Error{"precision float16 needs 'device: cuda'"};
-  if (options.precision == "bfloat16" && !onednn_has_bfloat16()) {
+  if (options.precision == Precision::float16)
+    return Error{"precision float16 needs 'device: cuda'"};
+  if (options.precision == Precision::bfloat16 && !onednn_has_bfloat16()) {
     return Error{"precision bfloat16 needs a processor with AVX-512"};
   }
   Result<OnnxGraph> graph = read_onnx(onnx);
   if (!graph) return Error{"oneDNN cannot load it: " + graph.error().message};
   Result<LayerGraph> layers = make_layers(std::move(*graph));
   if (!layers) return Error{"oneDNN cannot load it: " + layers.error().message};
-  const bool bfloat16 = options.precision == "bfloat16" ||
-                        (options.precision == "auto" && onednn_has_quick_bfloat16());
+  const bool bfloat16 = options.precision == Precision::bfloat16 ||
+                        (options.precision == Precision::automatic && onednn_has_quick_bfloat16());
   return std::unique_ptr<InferenceSession>(
       std::make_unique<OnednnSession>(std::move(*layers), bfloat16, options.threads));
 }

@@ -260,8 +260,9 @@ class CraftedNetworks : public testing::TestWithParam<const char*> {
     const auto file =
         std::filesystem::temp_directory_path() / fmt::format("ydd_crafted_{}.onnx", ::getpid());
     testing_onnx::write(file, onnx);
-    auto session =
-        load_network(file, {.backend = GetParam(), .input_width_px = 64, .input_height_px = 64});
+    auto session = load_network(file, {.backend = parse_choice<Backend>(GetParam()).value(),
+                                       .input_width_px = 64,
+                                       .input_height_px = 64});
     std::filesystem::remove(file);
     if (!session) return session.error().message;
     const std::vector<float> grey(std::size_t{3} * 64 * 64, 0.5F);

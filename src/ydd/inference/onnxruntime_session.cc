@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // ONNX Runtime through the one function that its shared library exports, OrtGetApiBase. The table
 // of functions behind it only ever grows at its end, so the places of the few that are used here
-// hold for every version of the library; its header is not needed, and a programme that was built
+// hold for every version of the library; its header is not needed, and a program that was built
 // without the library finds it when it runs (docs/adr/0007-inference-back-ends.md).
 #include <array>
 #include <cstddef>
@@ -244,8 +244,10 @@ class OnnxRuntimeSession : public InferenceSession {
 }  // namespace
 
 SessionResult make_onnxruntime_session(std::string_view onnx, const InferenceOptions& options) {
-  if (options.precision == "bfloat16") return Error{"precision bfloat16 needs 'backend: onednn'"};
-  if (options.precision == "float16") return Error{"precision float16 needs 'device: cuda'"};
+  if (options.precision == Precision::bfloat16)
+    return Error{"precision bfloat16 needs 'backend: onednn'"};
+  if (options.precision == Precision::float16)
+    return Error{"precision float16 needs 'device: cuda'"};
   const Result<Library> library = Library::open(options.onnxruntime);
   if (!library) return library.error();
   const Result<OnnxGraph> graph = read_onnx(onnx);

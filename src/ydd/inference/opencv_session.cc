@@ -89,10 +89,10 @@ class OpenCvSession : public InferenceSession {
 };
 
 Result<void> choose_target(cv::dnn::Net& net, const InferenceOptions& options) {
-  const bool half = options.precision == "float16";
-  if (options.device == "cpu") {
+  const bool half = options.precision == Precision::float16;
+  if (options.device == Device::cpu) {
     if (half) return Error{"precision float16 needs 'device: cuda'"};
-    if (options.precision == "bfloat16") {
+    if (options.precision == Precision::bfloat16) {
       return Error{"precision bfloat16 needs 'backend: onednn'"};
     }
     net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);

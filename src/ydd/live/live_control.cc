@@ -38,7 +38,7 @@ Result<LiveCommand> parse_live_command(std::string_view text) {
     if (text == to_string(plain)) return plain;
   }
   if (text.starts_with(kVariant)) {
-    const auto variant = parse_variant(text.substr(kVariant.size()));
+    const auto variant = parse_choice<Variant>(text.substr(kVariant.size()));
     if (variant) return LiveCommand(live::SetVariant{*variant});
   }
   return Error{

@@ -36,7 +36,7 @@ class LiveServer {
   static Result<std::unique_ptr<LiveServer>> start(LiveControl& control,
                                                    const LiveServerOptions& options);
   /// Stops: open requests end, hanging ones are cut off. When the run has ended, a page that has
-  /// just asked is told so first, which takes a second at most.
+  /// just asked gets that answer first, which takes a second at most.
   ~LiveServer();
   LiveServer(const LiveServer&) = delete;
   LiveServer& operator=(const LiveServer&) = delete;

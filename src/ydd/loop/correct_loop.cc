@@ -48,7 +48,7 @@ class EssentialGraph {
 
 /// Moves the younger map, whichever of the two was seen again: the world of a map that somebody
 /// saved or counts on must not move because a newcomer met it.
-Correction weld(const Atlas& atlas, const LoopMatch& match) {
+Correction merge(const Atlas& atlas, const LoopMatch& match) {
   const SE3 T_matched_current =
       match.T_world_current * atlas.at(match.current).T_world_camera.inverse();
   const bool current_is_younger = atlas.at(match.matched).map < atlas.at(match.current).map;
@@ -60,7 +60,7 @@ Correction weld(const Atlas& atlas, const LoopMatch& match) {
   for (const KeyFrameId id : keyframes_of(atlas, atlas.at(moving).map)) {
     correction.T_world_keyframe[id] = T_new_old * atlas.at(id).T_world_camera;
   }
-  correction.seam = Correction::Seam{moving, staying};
+  correction.junction = Correction::Junction{moving, staying};
   return correction;
 }
 
@@ -68,7 +68,7 @@ Correction weld(const Atlas& atlas, const LoopMatch& match) {
 
 std::optional<Correction> correct_loop(const Atlas& atlas, const LoopMatch& match,
                                        const LoopOptions& options, const std::stop_token& stop) {
-  if (atlas.at(match.current).map != atlas.at(match.matched).map) return weld(atlas, match);
+  if (atlas.at(match.current).map != atlas.at(match.matched).map) return merge(atlas, match);
   const std::vector<KeyFrameId> keyframes = keyframes_of(atlas, atlas.at(match.current).map);
   EssentialGraph essential(atlas, keyframes);
   for (const KeyFrameId id : keyframes) {
@@ -90,7 +90,7 @@ std::optional<Correction> correct_loop(const Atlas& atlas, const LoopMatch& matc
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     correction.T_world_keyframe[keyframes[i]] = solved.T_world_node[i];
   }
-  correction.seam = Correction::Seam{match.current, match.matched};
+  correction.junction = Correction::Junction{match.current, match.matched};
   return correction;
 }
 

@@ -74,7 +74,7 @@ bool is_consistent(const Atlas& atlas, const LoopMatch& match, const LoopOptions
 /// loops, metres: what drift between them can have come from. A room that is visited again and
 /// again does not drift from its neighbour, however long the camera walks.
 /// (Dijkstra, "A note on two problems in connexion with graphs", 1959.)
-double way_m(const Atlas& atlas, KeyFrameId from, KeyFrameId to) {
+double path_length_m(const Atlas& atlas, KeyFrameId from, KeyFrameId to) {
   std::map<KeyFrameId, std::vector<KeyFrameId>> children;
   atlas.keyframes().for_each(
       [&](KeyFrameId id, const KeyFrame& keyframe) { children[keyframe.parent].push_back(id); });
@@ -112,7 +112,7 @@ bool is_plausible_drift(const Atlas& atlas, const LoopMatch& match, const LoopOp
   const KeyFrame& current = atlas.at(match.current);
   const KeyFrame& matched = atlas.at(match.matched);
   if (current.map != matched.map) return true;
-  const double length_m = way_m(atlas, match.matched, match.current);
+  const double length_m = path_length_m(atlas, match.matched, match.current);
   const SE3 drift = current.T_world_camera.inverse() * match.T_world_current;
   return drift.translation().norm() <= options.max_drift_m + options.max_drift_share * length_m &&
          drift.angle_rad() <=

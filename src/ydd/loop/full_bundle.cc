@@ -1,42 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "ydd/loop/loop_closer.h"
+#include "ydd/matching/gathered_bundle.h"
 
 namespace ydd {
 namespace {
 
-struct Gathered {
-  BundleProblem problem;
-  std::vector<KeyFrameId> keyframes;
-  std::vector<MapPointId> points;
-};
-
-Gathered gather(const Atlas& atlas, MapId map) {
-  Gathered out;
-  std::vector<int> pose_by_slot(atlas.keyframes().slots(), -1);
+/// The whole map; its first keyframe is fixed.
+GatheredBundle gather_map(const Atlas& atlas, MapId map) {
+  GatheredBundle gathered;
+  PoseIndex index(atlas);
   atlas.keyframes().for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
-    if (keyframe.map != map) return;
-    pose_by_slot[id.slot] = static_cast<int>(out.keyframes.size());
-    out.keyframes.push_back(id);
-    out.problem.poses.push_back({keyframe.T_world_camera.inverse(), atlas.is_first(id)});
+    if (keyframe.map == map) add_pose(atlas, id, atlas.is_first(id), index, gathered);
   });
   atlas.points().for_each([&](MapPointId id, const MapPoint& point) {
-    const int index = static_cast<int>(out.points.size());
-    bool seen = false;
-    for (const Observation& s : point.observations) {
-      const int pose = pose_by_slot[s.keyframe.slot];
-      if (pose < 0) continue;
-      seen = true;
-      const Features& f = atlas.at(s.keyframe).features();
-      const auto octave =
-          static_cast<std::size_t>(f.keypoints[static_cast<std::size_t>(s.keypoint)].octave);
-      out.problem.observations.push_back(
-          {pose, index, uvr_px(f, s.keypoint), atlas.scales().inv_sigma2[octave]});
+    const auto& all = point.observations;
+    if (std::any_of(all.begin(), all.end(), [&](const auto& o) { return index.has(o.keyframe); })) {
+      add_point(atlas, id, gathered);
     }
-    if (!seen) return;
-    out.points.push_back(id);
-    out.problem.points.push_back(point.p_world);
   });
-  return out;
+  add_observations(atlas, index, gathered);
+  return gathered;
 }
 
 }  // namespace
@@ -45,7 +30,7 @@ std::optional<Correction> full_bundle(const Atlas& atlas, KeyFrameId member,
                                       const LoopOptions& options, const std::stop_token& stop) {
   const KeyFrame* keyframe = atlas.find(member);
   if (!keyframe) return std::nullopt;
-  const Gathered gathered = gather(atlas, keyframe->map);
+  const GatheredBundle gathered = gather_map(atlas, keyframe->map);
   const BundleResult solved = solve_bundle(atlas.camera(), gathered.problem, options.bundle, stop);
   if (solved.interrupted) return std::nullopt;
   Correction correction;

@@ -110,8 +110,8 @@ TEST(CorrectLoop, TheYoungerMapMovesAlsoWhenTheOlderOneMeetsIt) {
   ASSERT_NE(visits.atlas.at(match->matched).map, visits.first_map);
   const Correction correction = correct_loop(visits.atlas, *match, quick_options()).value();
   ASSERT_EQ(correction.T_world_keyframe.size(), visits.new_keyframes.size());
-  ASSERT_TRUE(correction.seam.has_value());
-  EXPECT_EQ(correction.seam->matched, visits.old_keyframes[2]);
+  ASSERT_TRUE(correction.junction.has_value());
+  EXPECT_EQ(correction.junction->matched, visits.old_keyframes[2]);
   for (std::size_t i = 0; i < visits.new_keyframes.size(); ++i) {
     const SE3 error =
         visits.T_world_new[i].inverse() * correction.T_world_keyframe.at(visits.new_keyframes[i]);

@@ -45,7 +45,7 @@ inline std::vector<KeyFrameId> add_visit(Atlas& atlas, const PointWorld& world,
     for (std::size_t k = 0; k < view.shown.size(); ++k) {
       MapPointId& point = points[static_cast<std::size_t>(view.shown[k])];
       if (point.valid()) {
-        atlas.add_sighting(point, id, static_cast<int>(k));
+        atlas.add_observation(point, id, static_cast<int>(k));
       } else {
         point = atlas.add_point(drift * world.p_world[static_cast<std::size_t>(view.shown[k])], id,
                                 static_cast<int>(k));

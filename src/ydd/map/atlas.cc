@@ -9,7 +9,7 @@
 namespace ydd {
 namespace {
 
-auto sighting_by(const MapPoint& point, KeyFrameId keyframe) {
+auto observation_by(const MapPoint& point, KeyFrameId keyframe) {
   return std::find_if(point.observations.begin(), point.observations.end(),
                       [&](const Observation& s) { return s.keyframe == keyframe; });
 }
@@ -51,7 +51,7 @@ KeyFrameId Atlas::add_keyframe(KeyFrame keyframe) {
   const KeyFrameId id = keyframes_.insert(std::move(keyframe));
   newest_ = id;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (points_.contains(wanted[i])) add_sighting(wanted[i], id, static_cast<int>(i));
+    if (points_.contains(wanted[i])) add_observation(wanted[i], id, static_cast<int>(i));
   }
   return id;
 }
@@ -65,16 +65,16 @@ MapPointId Atlas::add_point(const Eigen::Vector3d& p_world, KeyFrameId keyframe,
   point.p_world = p_world;
   point.born = seen_by.serial;
   const MapPointId id = points_.insert(std::move(point));
-  add_sighting(id, keyframe, keypoint);
+  add_observation(id, keyframe, keypoint);
   refresh_point(id);
   return id;
 }
 
-bool Atlas::add_sighting(MapPointId point, KeyFrameId keyframe, int keypoint) {
+bool Atlas::add_observation(MapPointId point, KeyFrameId keyframe, int keypoint) {
   const auto k = static_cast<std::size_t>(keypoint);
   const KeyFrame& seen_by = keyframes_.at(keyframe);
   const MapPoint& seen = points_.at(point);
-  if (seen_by.points.at(k).valid() || sighting_by(seen, keyframe) != seen.observations.end()) {
+  if (seen_by.points.at(k).valid() || observation_by(seen, keyframe) != seen.observations.end()) {
     return false;
   }
   ++revision_;
@@ -83,15 +83,15 @@ bool Atlas::add_sighting(MapPointId point, KeyFrameId keyframe, int keypoint) {
   return true;
 }
 
-void Atlas::unlink(MapPointId point, const Observation& sighting) {
+void Atlas::unlink(MapPointId point, const Observation& observation) {
   ++revision_;
-  keyframes_.edit(sighting.keyframe).points[static_cast<std::size_t>(sighting.keypoint)] = {};
-  std::erase(points_.edit(point).observations, sighting);
+  keyframes_.edit(observation.keyframe).points[static_cast<std::size_t>(observation.keypoint)] = {};
+  std::erase(points_.edit(point).observations, observation);
 }
 
-void Atlas::remove_sighting(MapPointId point, KeyFrameId keyframe) {
+void Atlas::remove_observation(MapPointId point, KeyFrameId keyframe) {
   const MapPoint& seen = points_.at(point);
-  const auto found = sighting_by(seen, keyframe);
+  const auto found = observation_by(seen, keyframe);
   if (found == seen.observations.end()) return;
   unlink(point, Observation(*found));
   if (points_.at(point).observations.empty()) points_.erase(point);
@@ -99,7 +99,7 @@ void Atlas::remove_sighting(MapPointId point, KeyFrameId keyframe) {
 
 void Atlas::remove_point(MapPointId point) {
   const std::vector<Observation> observations = points_.at(point).observations;
-  for (const Observation& sighting : observations) unlink(point, sighting);
+  for (const Observation& observation : observations) unlink(point, observation);
   points_.erase(point);
 }
 
@@ -108,7 +108,7 @@ void Atlas::merge_points(MapPointId from, MapPointId into) {
   points_.at(into);  // throws before anything is changed
   const MapPoint replaced = points_.at(from);
   remove_point(from);
-  for (const Observation& s : replaced.observations) add_sighting(into, s.keyframe, s.keypoint);
+  for (const Observation& s : replaced.observations) add_observation(into, s.keyframe, s.keypoint);
   count_views(into, replaced.visible, replaced.found);
   refresh_point(into);
 }
@@ -160,8 +160,8 @@ void Atlas::refresh_point(MapPointId id) {
   }
   point.descriptor = median_descriptor(descriptors);
   point.normal = normal.normalized();
-  // The oldest sighting fixes the scale range: a keypoint on octave o at distance d would be seen
-  // on octave 0 at d * factor[o].
+  // The oldest observation fixes the scale range: a keypoint on octave o at distance d would be
+  // seen on octave 0 at d * factor[o].
   const Observation& first = point.observations.front();
   const KeyFrame& reference = keyframes_.at(first.keyframe);
   const int octave =

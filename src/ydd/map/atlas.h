@@ -34,7 +34,7 @@ struct AtlasParts {
 /// All maps of a run: keyframes, landmarks, and who sees what.
 ///
 /// One pair of tables holds the keyframes and points of every map; a keyframe says to which map it
-/// belongs, so that welding two maps is a relabelling and ids stay valid. Every edit keeps both
+/// belongs, so that merging two maps is a relabelling and ids stay valid. Every edit keeps both
 /// sides of each link; `check_consistency` proves it in tests.
 ///
 /// Thread: one owner edits; everybody else reads what `snapshot` gave. Pointers from `find` are
@@ -69,15 +69,15 @@ class Atlas {
   /// Adds a point seen by keypoint `keypoint` of `keyframe`, which must be free.
   MapPointId add_point(const Eigen::Vector3d& p_world, KeyFrameId keyframe, int keypoint);
   /// Links a point and a keypoint. False, and no change, if either side is already linked.
-  bool add_sighting(MapPointId point, KeyFrameId keyframe, int keypoint);
-  /// Unlinks; a point with no sighting left is removed.
-  void remove_sighting(MapPointId point, KeyFrameId keyframe);
+  bool add_observation(MapPointId point, KeyFrameId keyframe, int keypoint);
+  /// Unlinks; a point with no observation left is removed.
+  void remove_observation(MapPointId point, KeyFrameId keyframe);
   /// Moves all observations of `from` to `into` where `into` has none yet, adds its counters, and
   /// removes `from`.
   void merge_points(MapPointId from, MapPointId into);
   void remove_point(MapPointId point);
-  /// Takes a keyframe out: its points lose a sighting, its children get a new parent, and where it
-  /// stood is remembered relative to its parent. The first keyframe of a map cannot be culled.
+  /// Takes a keyframe out: its points lose an observation, its children get a new parent, and where
+  /// it stood is remembered relative to its parent. The first keyframe of a map cannot be culled.
   void cull_keyframe(KeyFrameId keyframe);
 
   void set_pose(KeyFrameId keyframe, const SE3& T_world_camera);
@@ -86,7 +86,7 @@ class Atlas {
   void set_map(KeyFrameId keyframe, MapId map);
   /// Remembers that two keyframes closed a loop.
   void add_loop(KeyFrameId a, KeyFrameId b);
-  /// Makes `root` hang below `parent`, turning round the chain of parents above it: welds the
+  /// Makes `root` hang below `parent`, turning round the chain of parents above it: merges the
   /// spanning tree of one map to another's.
   void reroot(KeyFrameId root, KeyFrameId parent);
   /// Adds to how often a point should have been seen and was.
@@ -127,7 +127,7 @@ class Atlas {
  private:
   Atlas(const Atlas& other, Table<KeyFrame, KeyFrameTag> keyframes,
         Table<MapPoint, MapPointTag> points);
-  void unlink(MapPointId point, const Observation& sighting);
+  void unlink(MapPointId point, const Observation& observation);
   void connect(KeyFrameId from, KeyFrameId to, int weight);
   void drop_connections(KeyFrameId keyframe);
   KeyFrameId best_new_parent(KeyFrameId child, const std::vector<KeyFrameId>& orphans) const;

@@ -86,8 +86,8 @@ std::string first_fault(const Atlas& atlas) {
 }
 
 /// Gives each keyframe its list of points. Failure: two points on one keypoint.
-bool link_sightings(Table<KeyFrame, KeyFrameTag>& keyframes,
-                    const Table<MapPoint, MapPointTag>& points) {
+bool link_observations(Table<KeyFrame, KeyFrameTag>& keyframes,
+                       const Table<MapPoint, MapPointTag>& points) {
   bool fits = true;
   for (const KeyFrameId id : keyframes.ids()) {
     KeyFrame& keyframe = keyframes.edit(id);
@@ -120,7 +120,7 @@ Result<Atlas> Atlas::restore(AtlasParts parts) {
   atlas.next_serial_ = parts.next_serial;
   atlas.maps_ = parts.maps;
   if (std::string fault = first_fault(atlas); !fault.empty()) return Error{std::move(fault)};
-  if (!link_sightings(atlas.keyframes_, atlas.points_)) {
+  if (!link_observations(atlas.keyframes_, atlas.points_)) {
     return Error{"a keypoint that shows two points"};
   }
   std::vector<std::string> faults = atlas.check_consistency();

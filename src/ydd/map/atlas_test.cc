@@ -105,12 +105,12 @@ TEST(Atlas, AddSightingRefusesEitherSideThatIsLinked) {
   const KeyFrameId first = built.keyframes[0];
   const MapPointId a = atlas.at(first).points[0];
   const MapPointId b = atlas.at(first).points[1];
-  atlas.remove_sighting(b, first);
+  atlas.remove_observation(b, first);
   const std::uint64_t revision = atlas.revision();
-  EXPECT_FALSE(atlas.add_sighting(a, first, 1));  // sees a already
+  EXPECT_FALSE(atlas.add_observation(a, first, 1));  // sees a already
   EXPECT_EQ(atlas.revision(), revision);
-  EXPECT_TRUE(atlas.add_sighting(b, first, 1));
-  EXPECT_FALSE(atlas.add_sighting(b, first, 0));  // keypoint 0 is taken
+  EXPECT_TRUE(atlas.add_observation(b, first, 1));
+  EXPECT_FALSE(atlas.add_observation(b, first, 0));  // keypoint 0 is taken
   EXPECT_GT(atlas.revision(), revision);
   EXPECT_THAT(atlas.check_consistency(), IsEmpty());
 }
@@ -122,11 +122,12 @@ TEST(Atlas, APointGoesWithItsLastSighting) {
       built.points.begin(), built.points.end(),
       [&](MapPointId id) { return id.valid() && atlas.at(id).observations.size() == 2; });
   ASSERT_NE(seen_by_both, built.points.end());
-  atlas.remove_sighting(*seen_by_both, built.keyframes[0]);
+  atlas.remove_observation(*seen_by_both, built.keyframes[0]);
   ASSERT_NE(atlas.find(*seen_by_both), nullptr);
-  atlas.remove_sighting(*seen_by_both, built.keyframes[0]);  // no such sighting: nothing happens
+  atlas.remove_observation(*seen_by_both,
+                           built.keyframes[0]);  // no such observation: nothing happens
   EXPECT_NE(atlas.find(*seen_by_both), nullptr);
-  atlas.remove_sighting(*seen_by_both, built.keyframes[1]);
+  atlas.remove_observation(*seen_by_both, built.keyframes[1]);
   EXPECT_EQ(atlas.find(*seen_by_both), nullptr);
   EXPECT_THAT(atlas.check_consistency(), IsEmpty());
 }
@@ -166,8 +167,8 @@ TEST(Atlas, MergeMovesSightingsWhereThereIsRoomAndAddsCounters) {
   }
   const MapPointId from = atlas.add_point({0, 0, 2}, ids[0], 0);
   const MapPointId into = atlas.add_point({0, 0, 2.1}, ids[1], 1);
-  ASSERT_TRUE(atlas.add_sighting(from, ids[1], 0));  // both are seen by keyframe 1
-  ASSERT_TRUE(atlas.add_sighting(from, ids[2], 5));
+  ASSERT_TRUE(atlas.add_observation(from, ids[1], 0));  // both are seen by keyframe 1
+  ASSERT_TRUE(atlas.add_observation(from, ids[2], 5));
   atlas.count_views(from, 4, 3);
   atlas.count_views(into, 2, 1);
   atlas.merge_points(from, into);
@@ -229,7 +230,7 @@ TEST(Atlas, CovisibilityKeepsTheStrongestEvenIfWeakAndDropsOldWeights) {
   EXPECT_EQ(atlas.at(last).parent, atlas.at(last).covisible.front().keyframe);
   const std::vector<MapPointId> points = atlas.at(last).points;
   for (const MapPointId id : points) {
-    if (id.valid()) atlas.remove_sighting(id, last);
+    if (id.valid()) atlas.remove_observation(id, last);
   }
   atlas.refresh_covisibility(last, 1);
   EXPECT_THAT(atlas.at(last).covisible, IsEmpty());
@@ -362,10 +363,10 @@ class Editor {
       case 2:
         return add_point();
       case 3:
-        if (point().valid()) atlas_.add_sighting(point(), keyframe(), keypoint());
+        if (point().valid()) atlas_.add_observation(point(), keyframe(), keypoint());
         return;
       case 4:
-        if (const MapPointId id = point(); id.valid()) atlas_.remove_sighting(id, keyframe());
+        if (const MapPointId id = point(); id.valid()) atlas_.remove_observation(id, keyframe());
         return;
       case 5:
         if (const MapPointId id = point(); id.valid()) atlas_.remove_point(id);

@@ -13,14 +13,14 @@ namespace ydd {
 /// A change of the map, computed on a snapshot, as data. The owner of the map applies it; whatever
 /// is newer than the snapshot is carried along with its parent (docs/adr/0001).
 struct Correction {
-  struct Seam {
+  struct Junction {
     KeyFrameId current;  ///< keyframe whose surroundings are to be fused ...
     KeyFrameId matched;  ///< ... with the surroundings of this one
   };
   std::uint64_t revision = 0;                     ///< of the snapshot that it was computed on
   std::map<KeyFrameId, SE3> T_world_keyframe;     ///< new poses
   std::map<MapPointId, Eigen::Vector3d> p_world;  ///< new positions; others follow a keyframe
-  std::optional<Seam> seam;                       ///< of a loop or weld
+  std::optional<Junction> junction;               ///< of a loop or merge
 };
 
 }  // namespace ydd

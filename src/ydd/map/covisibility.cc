@@ -128,7 +128,7 @@ void Atlas::cull_keyframe(KeyFrameId id) {
   ++revision_;
   const std::vector<MapPointId> points = at(id).points;
   for (const MapPointId point : points) {
-    if (point.valid()) remove_sighting(point, id);
+    if (point.valid()) remove_observation(point, id);
   }
   drop_connections(id);
   adopt_children(id);
@@ -173,11 +173,12 @@ bool Atlas::has_root(KeyFrameId id) const {
 std::vector<std::string> Atlas::check_consistency() const {
   std::vector<std::string> faults;
   points_.for_each([&](MapPointId id, const MapPoint& point) {
-    if (point.observations.empty()) faults.push_back(fmt::format("point {}: no sighting", id.slot));
+    if (point.observations.empty())
+      faults.push_back(fmt::format("point {}: no observation", id.slot));
     for (const Observation& s : point.observations) {
       const KeyFrame* keyframe = find(s.keyframe);
       if (!keyframe || keyframe->points.at(static_cast<std::size_t>(s.keypoint)) != id) {
-        faults.push_back(fmt::format("point {}: sighting without link back", id.slot));
+        faults.push_back(fmt::format("point {}: observation without link back", id.slot));
       }
     }
   });

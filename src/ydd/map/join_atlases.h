@@ -7,7 +7,7 @@
 namespace ydd {
 
 /// Both in one: ids, serials and map numbers of `a` stay, those of `b` follow after them. No two
-/// maps are welded. Failure: cameras or pyramids differ.
+/// maps are merged. Failure: cameras or pyramids differ.
 Result<Atlas> join_atlases(const Atlas& a, const Atlas& b);
 
 }  // namespace ydd

@@ -95,7 +95,7 @@ inline View look(const PointWorld& world, const SE3& T_world_camera,
         options.noise_px * world.scales.factor[static_cast<std::size_t>(octave)];
     Eigen::Vector2d px = camera.project(p_camera);
     px += sigma_px * Eigen::Vector2d(normal(random), normal(random));
-    if (px.x() < 0 || px.y() < 0 || px.x() >= camera.width_px || px.y() >= camera.height_px) {
+    if (!camera.contains(px)) {
       continue;
     }
     const double z_m =
@@ -151,7 +151,7 @@ inline BuiltMap build_map(const PointWorld& world, const std::vector<View>& view
     for (std::size_t k = 0; k < views[v].shown.size(); ++k) {
       const auto i = static_cast<std::size_t>(views[v].shown[k]);
       if (built.points[i].valid()) {
-        built.atlas.add_sighting(built.points[i], id, static_cast<int>(k));
+        built.atlas.add_observation(built.points[i], id, static_cast<int>(k));
       } else {
         built.points[i] = built.atlas.add_point(world.p_world[i], id, static_cast<int>(k));
       }

@@ -236,7 +236,7 @@ TEST_F(MapFileTest, WhatIsNoMapIsRefusedAndLeftAlone) {
   ASSERT_EQ(sqlite3_open(file_.c_str(), &connection), SQLITE_OK);
   sqlite3_exec(connection, "CREATE TABLE recipes(name)", nullptr, nullptr, nullptr);
   sqlite3_close(connection);
-  expect_refused(file_, "another programme");
+  expect_refused(file_, "another program");
 }
 
 TEST_F(MapFileTest, ANewerVersionIsRefusedAndLeftAlone) {

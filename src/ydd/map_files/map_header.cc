@@ -62,7 +62,7 @@ bool has_journal(const fs::path& file) {
 void check_header(const fs::path& file) {
   const Header header = read_header(file);
   if (big_endian(header, 68, 4) != kApplicationId) {
-    throw Fault("is an SQLite database of another programme, not a map file of ydd-slam");
+    throw Fault("is an SQLite database of another program, not a map file of ydd-slam");
   }
   const std::uint32_t version = big_endian(header, 60, 4);
   if (version > kVersion) {

@@ -8,7 +8,7 @@
 namespace ydd {
 namespace {
 
-constexpr std::size_t kSeamNeighbours = 10;
+constexpr std::size_t kJunctionNeighbours = 10;
 
 /// The nearest keyframe, from `id` up the spanning tree, that the correction names; empty: none.
 KeyFrameId corrected_ancestor(const Atlas& atlas, const Correction& correction, KeyFrameId id) {
@@ -31,7 +31,7 @@ std::vector<std::optional<SE3>> motions(const Atlas& atlas, const Correction& co
 std::vector<KeyFrameId> surroundings(const Atlas& atlas, KeyFrameId centre) {
   std::vector<KeyFrameId> out{centre};
   for (const Covisible& c : atlas.at(centre).covisible) {
-    if (out.size() > kSeamNeighbours) break;
+    if (out.size() > kJunctionNeighbours) break;
     out.push_back(c.keyframe);
   }
   return out;
@@ -49,14 +49,14 @@ std::vector<MapPointId> points_seen_by(const Atlas& atlas, const std::vector<Key
   return points;
 }
 
-void join_maps(Atlas& atlas, const Correction::Seam& seam) {
-  const MapId from = atlas.at(seam.current).map;
-  const MapId into = atlas.at(seam.matched).map;
+void join_maps(Atlas& atlas, const Correction::Junction& junction) {
+  const MapId from = atlas.at(junction.current).map;
+  const MapId into = atlas.at(junction.matched).map;
   if (from == into) return;
   for (const KeyFrameId id : atlas.keyframes().ids()) {
     if (atlas.at(id).map == from) atlas.set_map(id, into);
   }
-  atlas.reroot(seam.current, seam.matched);
+  atlas.reroot(junction.current, junction.matched);
 }
 
 }  // namespace
@@ -80,13 +80,14 @@ void apply_correction(Atlas& atlas, const Correction& correction) {
   for (const MapPointId id : atlas.points().ids()) atlas.refresh_point(id);
 }
 
-void sew(Atlas& atlas, const Correction::Seam& seam, double radius_px, int min_covisible_weight,
-         const MatchLimits& limits) {
-  if (!atlas.find(seam.current) || !atlas.find(seam.matched)) return;  // culled meanwhile
-  join_maps(atlas, seam);
-  atlas.add_loop(seam.current, seam.matched);
-  const std::vector<KeyFrameId> current = surroundings(atlas, seam.current);
-  const std::vector<MapPointId> theirs = points_seen_by(atlas, surroundings(atlas, seam.matched));
+void merge_at(Atlas& atlas, const Correction::Junction& junction, double radius_px,
+              int min_covisible_weight, const MatchLimits& limits) {
+  if (!atlas.find(junction.current) || !atlas.find(junction.matched)) return;  // culled meanwhile
+  join_maps(atlas, junction);
+  atlas.add_loop(junction.current, junction.matched);
+  const std::vector<KeyFrameId> current = surroundings(atlas, junction.current);
+  const std::vector<MapPointId> theirs =
+      points_seen_by(atlas, surroundings(atlas, junction.matched));
   for (const KeyFrameId id : current) fuse_points(atlas, id, theirs, radius_px, limits);
   for (const KeyFrameId id : current) atlas.refresh_covisibility(id, min_covisible_weight);
 }

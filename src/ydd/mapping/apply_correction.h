@@ -10,8 +10,8 @@ namespace ydd {
 /// with their parent, points with the first keyframe that saw them.
 void apply_correction(Atlas& atlas, const Correction& correction);
 
-/// Joins the two sides of a seam: one map, one spanning tree, duplicate points fused.
-void sew(Atlas& atlas, const Correction::Seam& seam, double radius_px, int min_covisible_weight,
-         const MatchLimits& limits);
+/// Joins the two sides of a junction: one map, one spanning tree, duplicate points fused.
+void merge_at(Atlas& atlas, const Correction::Junction& junction, double radius_px,
+              int min_covisible_weight, const MatchLimits& limits);
 
 }  // namespace ydd

@@ -97,7 +97,7 @@ TEST(ApplyCorrection, StaleIdsAreIgnored) {
   EXPECT_NEAR((after.translation() - before.translation()).norm(), 0.0, 1e-12);
 }
 
-TEST(Sew, FusesDuplicatesAndJoinsMaps) {
+TEST(MergeAt, FusesDuplicatesAndJoinsMaps) {
   CorrectedScene scene(3);
   Atlas& atlas = scene.built.atlas;
   // The same place once more, as a map of its own with points of its own.
@@ -111,7 +111,7 @@ TEST(Sew, FusesDuplicatesAndJoinsMaps) {
                     static_cast<int>(k));
   }
   const std::size_t points_before = atlas.points().size();
-  sew(atlas, {id, scene.built.keyframes[0]}, 3.0, 15, MatchLimits());
+  merge_at(atlas, {id, scene.built.keyframes[0]}, 3.0, 15, MatchLimits());
   EXPECT_TRUE(atlas.check_consistency().empty());
   EXPECT_EQ(atlas.at(id).map, atlas.at(scene.built.keyframes[0]).map);
   EXPECT_EQ(atlas.at(id).parent, scene.built.keyframes[0]);
@@ -119,13 +119,13 @@ TEST(Sew, FusesDuplicatesAndJoinsMaps) {
   EXPECT_FALSE(atlas.at(id).covisible.empty());
 }
 
-TEST(Sew, LeavesTheMapAloneWhenASideIsGone) {
+TEST(MergeAt, LeavesTheMapAloneWhenASideIsGone) {
   CorrectedScene scene(4);
   Atlas& atlas = scene.built.atlas;
-  const Correction::Seam seam{scene.built.keyframes[3], scene.built.keyframes[1]};
+  const Correction::Junction junction{scene.built.keyframes[3], scene.built.keyframes[1]};
   atlas.cull_keyframe(scene.built.keyframes[1]);
   const std::uint64_t revision = atlas.revision();
-  sew(atlas, seam, 3.0, 15, MatchLimits());
+  merge_at(atlas, junction, 3.0, 15, MatchLimits());
   EXPECT_EQ(atlas.revision(), revision);
 }
 

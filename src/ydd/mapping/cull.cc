@@ -32,9 +32,9 @@ bool is_redundant(const Atlas& atlas, KeyFrameId id, const CullOptions& options)
     }
     ++points;
     const MapPoint& point = atlas.at(keyframe.points[i]);
-    if (static_cast<int>(point.observations.size()) > options.redundant_sightings &&
+    if (static_cast<int>(point.observations.size()) > options.redundant_observations &&
         seen_well_elsewhere(atlas, point, id, features.keypoints[i].octave,
-                            options.redundant_sightings)) {
+                            options.redundant_observations)) {
       ++redundant;
     }
   }
@@ -47,12 +47,12 @@ void CullOptions::describe(OptionTable& t) {
   t.add("min_found_ratio", min_found_ratio, {0.0, 1.0}, "",
         "share of the frames that should see a new point and find it");
   t.add("probation", probation_keyframes, {0, 100}, "keyframes", "how long a new point is watched");
-  t.add("min_sightings", min_sightings, {1, 10}, "", "keyframes that must see a point by then");
+  t.add("min_observations", min_observations, {1, 10}, "",
+        "keyframes that must see a point by then");
   t.add("redundant_share", redundant_share, {0.1, 1.0}, "",
         "share of points seen elsewhere above which a keyframe is redundant");
-  t.add("redundant_sightings", redundant_sightings, {1, 20}, "",
+  t.add("redundant_observations", redundant_observations, {1, 20}, "",
         "other keyframes that must see a point for that");
-  t.add("close_depth", close_depth_m, {0.1, 100.0}, "m", "only nearer points count for that");
 }
 
 int cull_recent_points(Atlas& atlas, std::vector<MapPointId>& recent, KeyFrameId newest,
@@ -66,7 +66,7 @@ int cull_recent_points(Atlas& atlas, std::vector<MapPointId>& recent, KeyFrameId
     const auto age = now - point->born;
     const bool rarely_found = point->found < options.min_found_ratio * point->visible;
     const bool unproven = age >= options.probation_keyframes &&
-                          static_cast<int>(point->observations.size()) < options.min_sightings;
+                          static_cast<int>(point->observations.size()) < options.min_observations;
     if (rarely_found || unproven) {
       atlas.remove_point(id);
       ++culled;

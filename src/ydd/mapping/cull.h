@@ -10,10 +10,10 @@ namespace ydd {
 struct CullOptions {
   double min_found_ratio = 0.25;
   int probation_keyframes = 2;
-  int min_sightings = 2;
+  int min_observations = 2;
   double redundant_share = 0.9;
-  int redundant_sightings = 3;
-  double close_depth_m = 3.0;
+  int redundant_observations = 3;
+  double close_depth_m = 3.0;  ///< SystemOptions sets it
   void describe(OptionTable& table);
 };
 

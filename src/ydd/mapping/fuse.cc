@@ -4,39 +4,30 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ydd/matching/viewpoint.h"
+
 namespace ydd {
 namespace {
 
-constexpr double kMinViewCosine = 0.5;
-
 /// Keypoint of the keyframe that shows the point, or -1.
-int find_keypoint(const Atlas& atlas, const KeyFrame& keyframe, const SE3& T_camera_world,
+int find_keypoint(const Atlas& atlas, const KeyFrame& keyframe, const Viewpoint& viewpoint,
                   const MapPoint& point, double radius_px, const MatchLimits& limits,
                   std::vector<int>& candidates) {
   const Camera& camera = atlas.camera();
-  const Eigen::Vector3d p_camera = T_camera_world * point.p_world;
-  if (p_camera.z() <= 0) return -1;
-  const Eigen::Vector2d px = camera.project(p_camera);
-  if (px.x() < 0 || px.y() < 0 || px.x() >= camera.width_px || px.y() >= camera.height_px) {
-    return -1;
-  }
-  const Eigen::Vector3d ray = point.p_world - keyframe.T_world_camera.translation();
-  const double distance_m = ray.norm();
-  if (distance_m < 0.8 * point.min_distance_m || distance_m > 1.2 * point.max_distance_m ||
-      ray.dot(point.normal) < kMinViewCosine * distance_m) {
-    return -1;
-  }
-  const int octave = predicted_octave(atlas.scales(), point.max_distance_m, distance_m);
-  const double scale = atlas.scales().factor[static_cast<std::size_t>(octave)];
+  const auto visible = viewpoint.see(point);
+  if (!visible) return -1;
+  const Eigen::Vector2d& px = visible->px;
+  const double scale = atlas.scales().factor[static_cast<std::size_t>(visible->octave)];
   const Features& f = keyframe.features();
   keyframe.grid->query(f, static_cast<float>(px.x()), static_cast<float>(px.y()),
-                       static_cast<float>(radius_px * scale), octave - 1, octave, candidates);
+                       static_cast<float>(radius_px * scale), visible->octave - 1, visible->octave,
+                       candidates);
   // The reprojection must pass the same test as in bundle adjustment.
   std::erase_if(candidates, [&](int k) {
     const auto i = static_cast<std::size_t>(k);
     const Eigen::Vector3d seen = uvr_px(f, k);
     const double right_error_px =
-        seen.z() < 0 ? 0.0 : px.x() - camera.bf() / p_camera.z() - seen.z();
+        seen.z() < 0 ? 0.0 : px.x() - camera.bf() / visible->z_m - seen.z();
     const double error2 = (px - seen.head<2>()).squaredNorm() + right_error_px * right_error_px;
     const double chi2 =
         error2 * atlas.scales().inv_sigma2[static_cast<std::size_t>(f.keypoints[i].octave)];
@@ -50,7 +41,7 @@ int find_keypoint(const Atlas& atlas, const KeyFrame& keyframe, const SE3& T_cam
 void join(Atlas& atlas, KeyFrameId keyframe, int keypoint, MapPointId point) {
   const MapPointId present = atlas.at(keyframe).points[static_cast<std::size_t>(keypoint)];
   if (!present.valid()) {
-    if (atlas.add_sighting(point, keyframe, keypoint)) atlas.refresh_point(point);
+    if (atlas.add_observation(point, keyframe, keypoint)) atlas.refresh_point(point);
     return;
   }
   const bool keep_present =
@@ -89,7 +80,7 @@ std::vector<MapPointId> points_of(const Atlas& atlas, std::span<const KeyFrameId
 
 int fuse_points(Atlas& atlas, KeyFrameId id, std::span<const MapPointId> points, double radius_px,
                 const MatchLimits& limits) {
-  const SE3 T_camera_world = atlas.at(id).T_world_camera.inverse();
+  const Viewpoint viewpoint(atlas.camera(), atlas.scales(), atlas.at(id).T_world_camera.inverse());
   std::vector<int> candidates;
   int fused = 0;
   for (const MapPointId point_id : points) {
@@ -99,7 +90,7 @@ int fuse_points(Atlas& atlas, KeyFrameId id, std::span<const MapPointId> points,
                                   [&](const Observation& s) { return s.keyframe == id; });
     if (seen) continue;
     const int keypoint =
-        find_keypoint(atlas, atlas.at(id), T_camera_world, *point, radius_px, limits, candidates);
+        find_keypoint(atlas, atlas.at(id), viewpoint, *point, radius_px, limits, candidates);
     if (keypoint < 0) continue;
     join(atlas, id, keypoint, point_id);
     ++fused;

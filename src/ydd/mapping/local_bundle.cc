@@ -7,21 +7,12 @@
 namespace ydd {
 namespace {
 
-constexpr int kAbsent = -1;
-
-/// Adds a pose to the problem and gives its index.
-int add_pose(const Atlas& atlas, GatheredBundle& gathered, KeyFrameId id, bool fixed) {
-  gathered.keyframes.push_back(id);
-  gathered.problem.poses.push_back({atlas.at(id).T_world_camera.inverse(), fixed});
-  return static_cast<int>(gathered.keyframes.size()) - 1;
-}
-
 void add_free_poses(const Atlas& atlas, KeyFrameId centre, const LocalBundleOptions& options,
-                    GatheredBundle& gathered) {
-  add_pose(atlas, gathered, centre, atlas.is_first(centre));
+                    PoseIndex& index, GatheredBundle& gathered) {
+  add_pose(atlas, centre, atlas.is_first(centre), index, gathered);
   for (const Covisible& c : atlas.at(centre).covisible) {
     if (static_cast<int>(gathered.keyframes.size()) >= options.max_free_keyframes) break;
-    add_pose(atlas, gathered, c.keyframe, atlas.is_first(c.keyframe));
+    add_pose(atlas, c.keyframe, atlas.is_first(c.keyframe), index, gathered);
   }
 }
 
@@ -31,19 +22,18 @@ void add_points(const Atlas& atlas, GatheredBundle& gathered) {
     for (const MapPointId point : atlas.at(id).points) {
       if (!point.valid() || seen[point.slot] != 0) continue;
       seen[point.slot] = 1;
-      gathered.points.push_back(point);
-      gathered.problem.points.push_back(atlas.at(point).p_world);
+      add_point(atlas, point, gathered);
     }
   }
 }
 
 /// Outside keyframes that see the points, those that see most first.
 std::vector<KeyFrameId> outside_keyframes(const Atlas& atlas, const GatheredBundle& gathered,
-                                          const std::vector<int>& pose_by_slot) {
+                                          const PoseIndex& index) {
   std::map<KeyFrameId, int> votes;
   for (const MapPointId point : gathered.points) {
     for (const Observation& s : atlas.at(point).observations) {
-      if (pose_by_slot[s.keyframe.slot] == kAbsent) ++votes[s.keyframe];
+      if (!index.has(s.keyframe)) ++votes[s.keyframe];
     }
   }
   std::vector<KeyFrameId> out;
@@ -51,22 +41,6 @@ std::vector<KeyFrameId> outside_keyframes(const Atlas& atlas, const GatheredBund
   std::stable_sort(out.begin(), out.end(),
                    [&](KeyFrameId a, KeyFrameId b) { return votes[a] > votes[b]; });
   return out;
-}
-
-void add_observations(const Atlas& atlas, const std::vector<int>& pose_by_slot,
-                      GatheredBundle& gathered) {
-  for (int p = 0; p < static_cast<int>(gathered.points.size()); ++p) {
-    for (const Observation& s :
-         atlas.at(gathered.points[static_cast<std::size_t>(p)]).observations) {
-      const int pose = pose_by_slot[s.keyframe.slot];
-      if (pose == kAbsent) continue;
-      const Features& f = atlas.at(s.keyframe).features();
-      const auto octave =
-          static_cast<std::size_t>(f.keypoints[static_cast<std::size_t>(s.keypoint)].octave);
-      gathered.problem.observations.push_back(
-          {pose, p, uvr_px(f, s.keypoint), atlas.scales().inv_sigma2[octave]});
-    }
-  }
 }
 
 }  // namespace
@@ -81,16 +55,13 @@ void LocalBundleOptions::describe(OptionTable& t) {
 GatheredBundle gather_local_bundle(const Atlas& atlas, KeyFrameId keyframe,
                                    const LocalBundleOptions& options) {
   GatheredBundle gathered;
-  add_free_poses(atlas, keyframe, options, gathered);
+  PoseIndex index(atlas);
+  add_free_poses(atlas, keyframe, options, index, gathered);
   add_points(atlas, gathered);
-  std::vector<int> pose_by_slot(atlas.keyframes().slots(), kAbsent);
-  for (int i = 0; i < static_cast<int>(gathered.keyframes.size()); ++i) {
-    pose_by_slot[gathered.keyframes[static_cast<std::size_t>(i)].slot] = i;
-  }
   int fixed = 0;
-  for (const KeyFrameId id : outside_keyframes(atlas, gathered, pose_by_slot)) {
+  for (const KeyFrameId id : outside_keyframes(atlas, gathered, index)) {
     if (++fixed > options.max_fixed_keyframes) break;
-    pose_by_slot[id.slot] = add_pose(atlas, gathered, id, true);
+    add_pose(atlas, id, true, index, gathered);
   }
   // Without any fixed pose the whole problem could float: the oldest keyframe holds it.
   auto& poses = gathered.problem.poses;
@@ -102,7 +73,7 @@ GatheredBundle gather_local_bundle(const Atlas& atlas, KeyFrameId keyframe,
     }
     poses[oldest].fixed = true;
   }
-  add_observations(atlas, pose_by_slot, gathered);
+  add_observations(atlas, index, gathered);
   return gathered;
 }
 
@@ -119,7 +90,7 @@ void apply_bundle(Atlas& atlas, const GatheredBundle& gathered, const BundleResu
     const BundleProblem::Observation& o = gathered.problem.observations[i];
     const MapPointId point = gathered.points[static_cast<std::size_t>(o.point)];
     if (atlas.find(point)) {
-      atlas.remove_sighting(point, gathered.keyframes[static_cast<std::size_t>(o.pose)]);
+      atlas.remove_observation(point, gathered.keyframes[static_cast<std::size_t>(o.pose)]);
     }
   }
   for (const MapPointId point : gathered.points) {

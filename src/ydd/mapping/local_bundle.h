@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <stop_token>
-#include <vector>
-
-#include "ydd/map/atlas.h"
-#include "ydd/optimization/bundle_adjustment.h"
+#include "ydd/matching/gathered_bundle.h"
 
 namespace ydd {
 
@@ -14,13 +10,6 @@ struct LocalBundleOptions {
   int max_free_keyframes = 30;
   int max_fixed_keyframes = 60;
   void describe(OptionTable& table);
-};
-
-/// A bundle problem and which keyframe, point and sighting each of its parts is.
-struct GatheredBundle {
-  BundleProblem problem;
-  std::vector<KeyFrameId> keyframes;  ///< parallel to problem.poses
-  std::vector<MapPointId> points;     ///< parallel to problem.points
 };
 
 /// The keyframe and those that share most points with it are free, all points they see are free,

@@ -168,10 +168,10 @@ TEST(LocalBundle, UnlinksOutliers) {
   const MapPointId b = atlas.at(id).points[9];
   ASSERT_GE(atlas.at(a).observations.size(), 3U);
   ASSERT_GE(atlas.at(b).observations.size(), 3U);
-  atlas.remove_sighting(a, id);
-  atlas.remove_sighting(b, id);
-  ASSERT_TRUE(atlas.add_sighting(a, id, 9));
-  ASSERT_TRUE(atlas.add_sighting(b, id, 0));
+  atlas.remove_observation(a, id);
+  atlas.remove_observation(b, id);
+  ASSERT_TRUE(atlas.add_observation(a, id, 9));
+  ASSERT_TRUE(atlas.add_observation(b, id, 0));
   const std::size_t links_before = scene.links();
   const GatheredBundle g = gather_local_bundle(atlas, scene.built.keyframes[5], {});
   apply_bundle(atlas, g, solve_bundle(atlas.camera(), g.problem, {}));

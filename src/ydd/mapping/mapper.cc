@@ -18,7 +18,6 @@ void MapperOptions::describe(OptionTable& t) {
         "shared points that connect two keyframes");
   t.add("min_depth_points", min_depth_points, {0, 10000}, "",
         "so many points are made from the nearest depth readings in any case");
-  t.add("close_depth", close_depth_m, {0.1, 100.0}, "m", "all nearer readings become points");
   t.add("fuse_neighbours", fuse_neighbours, {0, 100}, "", "keyframes whose points are fused");
   t.add("fuse_radius", fuse_radius_px, {0.5, 50.0}, "px", "search radius for fusing on octave 0");
 }
@@ -72,9 +71,9 @@ Applied Mapper::apply(const Correction& correction) {
   }
   const bool moved_on = atlas_.revision() != correction.revision;
   apply_correction(atlas_, correction);
-  if (correction.seam) {
-    sew(atlas_, *correction.seam, options_.fuse_radius_px, options_.min_covisible_weight,
-        options_.match);
+  if (correction.junction) {
+    merge_at(atlas_, *correction.junction, options_.fuse_radius_px, options_.min_covisible_weight,
+             options_.match);
   }
   for (const MapId map : maps) corrected_[map] = atlas_.revision();
   return moved_on ? Applied::rebased : Applied::as_computed;
@@ -87,9 +86,9 @@ std::set<MapId> Mapper::maps_of(const Correction& correction) const {
     if (const KeyFrame* const keyframe = atlas_.find(id)) maps.insert(keyframe->map);
   };
   for (const auto& [id, T_world_keyframe] : correction.T_world_keyframe) add(id);
-  if (correction.seam) {
-    add(correction.seam->current);
-    add(correction.seam->matched);
+  if (correction.junction) {
+    add(correction.junction->current);
+    add(correction.junction->matched);
   }
   return maps;
 }

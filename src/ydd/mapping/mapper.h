@@ -26,7 +26,7 @@ struct MapperOptions {
   MatchLimits match;
   int min_covisible_weight = 15;
   int min_depth_points = 10000;
-  double close_depth_m = 3.0;
+  double close_depth_m = 3.0;  ///< SystemOptions sets it
   int fuse_neighbours = 10;
   double fuse_radius_px = 3.0;
   void describe(OptionTable& table);

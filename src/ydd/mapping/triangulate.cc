@@ -151,7 +151,7 @@ std::vector<MapPointId> triangulate_with_neighbours(Atlas& atlas, KeyFrameId id,
     if (baseline_m < options.min_baseline_m) continue;
     for (const NewPoint& p : find_new_points(atlas, v1, v2, options, limits)) {
       const MapPointId point = atlas.add_point(p.p_world, id, p.i);
-      atlas.add_sighting(point, other, p.k);
+      atlas.add_observation(point, other, p.k);
       atlas.refresh_point(point);
       created.push_back(point);
     }

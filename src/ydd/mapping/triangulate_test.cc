@@ -40,7 +40,7 @@ struct HalfKnown {
     out.push_back(look(world, sideways(baseline_m), options));
     return out;
   }
-  /// World point behind a sighting.
+  /// World point behind an observation.
   std::size_t shown(const Observation& s) const {
     const std::size_t view = s.keyframe == built.keyframes[0] ? 0 : 1;
     return static_cast<std::size_t>(views[view].shown[static_cast<std::size_t>(s.keypoint)]);

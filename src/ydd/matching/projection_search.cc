@@ -5,12 +5,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "ydd/matching/viewpoint.h"
+
 namespace ydd {
 namespace {
 
 constexpr std::size_t kUsualCandidates = 64;  // keypoints in a search window, at most as a rule
 
-constexpr double kMinViewCosine = 0.5;  // a point is searched up to 60 degrees from its mean view
 constexpr double kStraightOnCosine = 0.998;
 
 /// Keeps, per keypoint of the frame, only the match with the least distance.
@@ -41,10 +42,6 @@ std::vector<PointMatch> with_consistent_rotation(const std::vector<PointMatch>& 
     if (keep[i]) out.push_back(matches[i]);
   }
   return out;
-}
-
-bool inside(const Camera& camera, const Eigen::Vector2d& px) {
-  return px.x() >= 0 && px.y() >= 0 && px.x() < camera.width_px && px.y() < camera.height_px;
 }
 
 /// With a depth reading, the virtual right coordinate must agree as well.
@@ -81,11 +78,6 @@ void MatchLimits::describe(OptionTable& t) {
   t.add("ratio", ratio, {0.1, 1.0}, "", "best to second best distance on the same octave");
 }
 
-int predicted_octave(const PyramidScales& scales, double max_distance_m, double distance_m) {
-  const double steps = std::log(max_distance_m / distance_m) / scales.log_step;
-  return std::clamp(static_cast<int>(std::ceil(steps)), 0, scales.levels() - 1);
-}
-
 std::vector<PointMatch> search_last_frame(const Atlas& atlas, const TrackedFrame& last,
                                           const TrackedFrame& frame, double radius_px,
                                           double close_depth_m, const MatchLimits& limits) {
@@ -103,7 +95,7 @@ std::vector<PointMatch> search_last_frame(const Atlas& atlas, const TrackedFrame
     const Eigen::Vector3d p_camera = frame.T_camera_world * point.p_world;
     if (p_camera.z() <= 0) continue;
     const Eigen::Vector2d px = camera.project(p_camera);
-    if (!inside(camera, px)) continue;
+    if (!camera.contains(px)) continue;
     const int octave = from.keypoints[i].octave;
     const double radius = radius_px * atlas.scales().factor[static_cast<std::size_t>(octave)];
     frame.grid->query(to, static_cast<float>(px.x()), static_cast<float>(px.y()),
@@ -130,9 +122,7 @@ LocalSearch search_local_map(const Atlas& atlas, const LocalMap& local, const Tr
                              double radius_px, const MatchLimits& limits) {
   const Camera& camera = atlas.camera();
   const Features& features = frame.features();
-  const Eigen::Vector3d centre_world = frame.T_camera_world.inverse().translation();
-  const Eigen::Matrix3d R_camera_world = frame.T_camera_world.rotation_matrix();
-  const Eigen::Vector3d& t_camera_world = frame.T_camera_world.translation();
+  const Viewpoint viewpoint(camera, atlas.scales(), frame.T_camera_world);
   std::vector<std::uint8_t> taken_slot(atlas.points().slots(), 0);
   for (const MapPointId id : frame.points) {
     if (atlas.find(id)) taken_slot[id.slot] = 1;
@@ -145,26 +135,17 @@ LocalSearch search_local_map(const Atlas& atlas, const LocalMap& local, const Tr
   for (int i = 0; i < static_cast<int>(local.points.size()); ++i) {
     const LocalPoint& point = local.points[static_cast<std::size_t>(i)];
     if (point.id.slot < taken_slot.size() && taken_slot[point.id.slot] != 0) continue;
-    const Eigen::Vector3d p_camera = R_camera_world * point.p_world + t_camera_world;
-    if (p_camera.z() <= 0) continue;
-    const Eigen::Vector2d px = camera.project(p_camera);
-    if (!inside(camera, px)) continue;
-    const Eigen::Vector3d ray = point.p_world - centre_world;
-    const double distance_m = ray.norm();
-    if (distance_m < 0.8 * point.min_distance_m || distance_m > 1.2 * point.max_distance_m)
-      continue;
-    const double view_cosine = ray.dot(point.normal) / distance_m;
-    if (view_cosine < kMinViewCosine) continue;
+    const auto seen = viewpoint.see(point);
+    if (!seen) continue;
     out.visible.push_back(i);
-    const int octave = predicted_octave(atlas.scales(), point.max_distance_m, distance_m);
     // A point seen straight on is where it is predicted; seen from the side, its patch deforms.
-    const double radius = radius_px * (view_cosine > kStraightOnCosine ? 2.5 : 4.0) *
-                          atlas.scales().factor[static_cast<std::size_t>(octave)];
-    frame.grid->query(features, static_cast<float>(px.x()), static_cast<float>(px.y()),
-                      static_cast<float>(radius), octave - 1, octave, candidates);
+    const double radius = radius_px * (seen->view_cosine > kStraightOnCosine ? 2.5 : 4.0) *
+                          atlas.scales().factor[static_cast<std::size_t>(seen->octave)];
+    frame.grid->query(features, static_cast<float>(seen->px.x()), static_cast<float>(seen->px.y()),
+                      static_cast<float>(radius), seen->octave - 1, seen->octave, candidates);
     std::erase_if(candidates, [&](int k) {
       return frame.points[static_cast<std::size_t>(k)].valid() ||
-             !right_agrees(camera, features, k, px.x(), p_camera.z(), radius);
+             !right_agrees(camera, features, k, seen->px.x(), seen->z_m, radius);
     });
     const BestMatch best = best_match(point.descriptor, features, candidates);
     if (best.index < 0 || best.distance > limits.loose) continue;

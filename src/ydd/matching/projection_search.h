@@ -40,7 +40,4 @@ std::vector<PointMatch> match_keyframe(const Atlas& atlas, KeyFrameId keyframe,
                                        const TrackedFrame& frame, double ratio,
                                        const MatchLimits& limits);
 
-/// The octave on which a point at `distance_m` should appear.
-int predicted_octave(const PyramidScales& scales, double max_distance_m, double distance_m);
-
 }  // namespace ydd

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/matching/projection_search.h"
+#include "ydd/matching/viewpoint.h"
 
 #include <algorithm>
 #include <cmath>

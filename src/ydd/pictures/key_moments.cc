@@ -32,7 +32,7 @@ std::vector<LoopReport> largest(std::vector<LoopReport> loops) {
 
 std::string caption_of(const LoopReport& loop) {
   return fmt::format("Frame {}: {} frame {} ({} points, had drifted by {:.1f} cm)",
-                     loop.current_frame, loop.welded ? "map joined at" : "loop closed with",
+                     loop.current_frame, loop.merged ? "map joined at" : "loop closed with",
                      loop.matched_frame, loop.inliers, 100 * loop.shift_m);
 }
 

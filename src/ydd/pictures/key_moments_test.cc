@@ -14,7 +14,7 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 ColourImage plain(Bgr colour) { return {64, 48, std::vector<Bgr>(64U * 48U, colour)}; }
 
 /// Feeds frames of which so many of ten points are rejected.
-class Feeder {
+class Player {
  public:
   void add(std::int64_t index, double time_s, TrackingState state, int rejected,
            int local_points = 100) {
@@ -67,51 +67,51 @@ constexpr auto kTracking = TrackingState::tracking;
 constexpr auto kLost = TrackingState::lost;
 
 TEST(KeyMoments, NothingHappenedNothingIsShown) {
-  Feeder feeder;
-  for (int i = 0; i < 5; ++i) feeder.add(i, i, kTracking, 0);
-  EXPECT_TRUE(feeder.draw().empty());
+  Player player;
+  for (int i = 0; i < 5; ++i) player.add(i, i, kTracking, 0);
+  EXPECT_TRUE(player.draw().empty());
 }
 
 TEST(KeyMoments, PeaksAreThreeAndApart) {
-  Feeder feeder;
+  Player player;
   const int rejected[] = {1, 5, 2, 0, 0, 7, 8, 1, 0, 0, 2, 0, 0, 0, 0, 4};
-  for (int i = 0; i < 16; ++i) feeder.add(i, 0.5 * i, kTracking, rejected[i]);
-  EXPECT_EQ(feeder.told(),
+  for (int i = 0; i < 16; ++i) player.add(i, 0.5 * i, kTracking, rejected[i]);
+  EXPECT_EQ(player.told(),
             (Told{{1, "most_rejected"}, {6, "most_rejected"}, {15, "most_rejected"}}));
 }
 
 TEST(KeyMoments, LostAndFoundAreTheFirstFramesOfEither) {
-  Feeder feeder;
-  feeder.add(0, 0, TrackingState::initializing, 0);
-  feeder.add(1, 1, kTracking, 0);
-  feeder.add(2, 2, kLost, 0);
-  feeder.add(3, 3, kLost, 0);
-  feeder.add(4, 4, kTracking, 0);
-  feeder.add(5, 5, kLost, 0);
-  feeder.add(6, 6, kTracking, 0, /*local_points=*/0);
-  EXPECT_EQ(feeder.told(), (Told{{2, "lost"}, {4, "found"}, {5, "lost"}, {6, "found"}}));
-  EXPECT_EQ(feeder.draw().at(1).moment.caption, "Frame 4: found again after 2 frames");
-  EXPECT_EQ(feeder.draw().at(3).moment.caption, "Frame 6: a new map begins after 1 frame");
+  Player player;
+  player.add(0, 0, TrackingState::initializing, 0);
+  player.add(1, 1, kTracking, 0);
+  player.add(2, 2, kLost, 0);
+  player.add(3, 3, kLost, 0);
+  player.add(4, 4, kTracking, 0);
+  player.add(5, 5, kLost, 0);
+  player.add(6, 6, kTracking, 0, /*local_points=*/0);
+  EXPECT_EQ(player.told(), (Told{{2, "lost"}, {4, "found"}, {5, "lost"}, {6, "found"}}));
+  EXPECT_EQ(player.draw().at(1).moment.caption, "Frame 4: found again after 2 frames");
+  EXPECT_EQ(player.draw().at(3).moment.caption, "Frame 6: a new map begins after 1 frame");
 }
 
 TEST(KeyMoments, AreNeverMoreThanTwelve) {
-  Feeder feeder;
-  for (int i = 0; i < 200; ++i) feeder.add(i, i, i % 2 ? kLost : kTracking, i % 10);
+  Player player;
+  for (int i = 0; i < 200; ++i) player.add(i, i, i % 2 ? kLost : kTracking, i % 10);
   std::vector<LoopReport> loops(20);
   for (std::size_t i = 0; i < loops.size(); ++i) loops[i].current_frame = static_cast<int>(i);
-  EXPECT_EQ(feeder.draw(loops).size(), 12U);
+  EXPECT_EQ(player.draw(loops).size(), 12U);
 }
 
 TEST(KeyMoments, LoopsAreThoseThatMatteredMost) {
-  Feeder feeder;
-  feeder.add(0, 0, kTracking, 0);
+  Player player;
+  player.add(0, 0, kTracking, 0);
   std::vector<LoopReport> loops(5);
   for (std::size_t i = 0; i < loops.size(); ++i) {
     loops[i].current_frame = 10 * static_cast<int>(i);
     loops[i].shift_m = i == 2 ? 0.0 : 0.1 * static_cast<double>(i);
   }
   loops[3].current_frame = 99;  // can not be read
-  const auto moments = feeder.draw(loops);
+  const auto moments = player.draw(loops);
   ASSERT_EQ(moments.size(), 2U);
   EXPECT_EQ(moments.at(0).frame, 10);
   EXPECT_EQ(moments.at(1).frame, 40);

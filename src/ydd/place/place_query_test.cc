@@ -63,7 +63,7 @@ TEST(DistinctPlaces, NeighboursOfABetterCandidateSayNothingNew) {
     for (std::size_t k = 0; k < view.shown.size(); ++k) {
       const auto shown = static_cast<std::size_t>(view.shown[k]);
       if (points[shown].valid()) {
-        atlas.add_sighting(points[shown], ids.back(), static_cast<int>(k));
+        atlas.add_observation(points[shown], ids.back(), static_cast<int>(k));
       } else {
         points[shown] = atlas.add_point(here.p_world[shown], ids.back(), static_cast<int>(k));
       }

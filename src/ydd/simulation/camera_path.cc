@@ -157,10 +157,10 @@ SE3 look_at(const Vector3d& eye, const Vector3d& target, double roll_rad) {
 TimedPath make_camera_path(const WorldOptions& options) {
   const Tremor still(options.seed, 0.004, degrees(0.35));
   const Tremor walking(options.seed, 0.008, degrees(0.8));
-  if (options.path == "static") return static_path(still);
-  if (options.path == "rpy") return rpy_path(walking);
-  if (options.path == "halfsphere") return halfsphere_path(walking);
-  if (options.path == "room_loop") return loop_path(walking, options.rooms);
+  if (options.path == PathKind::stationary) return static_path(still);
+  if (options.path == PathKind::rpy) return rpy_path(walking);
+  if (options.path == PathKind::halfsphere) return halfsphere_path(walking);
+  if (options.path == PathKind::room_loop) return loop_path(walking, options.rooms);
   return xyz_path(walking);
 }
 

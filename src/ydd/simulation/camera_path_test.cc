@@ -11,7 +11,7 @@ namespace {
 
 TimedPath path(const std::string& name, int rooms = 1) {
   WorldOptions options;
-  options.path = name;
+  options.path = parse_choice<PathKind>(name).value();
   options.rooms = rooms;
   return make_camera_path(options);
 }

@@ -12,7 +12,7 @@ namespace {
 
 Camera kinect() {
   WorldOptions options;
-  options.depth = "kinect";
+  options.depth = DepthModel::kinect;
   return simulated_camera(options);
 }
 

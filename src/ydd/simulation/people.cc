@@ -265,14 +265,14 @@ Cast choose_cast(const WorldOptions& options) {
   // The second one sits, then walkers again, the second of which pushes a chair.
   cast.sitters = people >= 2 ? (people >= 5 ? 2 : 1) : 0;
   cast.walkers = people - cast.sitters;
-  cast.pushed_chair = cast.walkers >= 2 && cast.sitters < 2 && options.path != "room_loop";
+  cast.pushed_chair = cast.walkers >= 2 && cast.sitters < 2 && options.path != PathKind::room_loop;
   return cast;
 }
 
 void add_actors(SceneBuilder& builder, const WorldOptions& options, const Cast& cast) {
   const std::vector<Walker> walkers =
       cast.close ? close_group(cast.walkers)
-                 : round_walk(cast.walkers, cast.pushed_chair, options.path == "room_loop");
+                 : round_walk(cast.walkers, cast.pushed_chair, options.path == PathKind::room_loop);
   int number = 0;
   for (const Walker& walker : walkers) add_walker(builder, number++, walker);
   for (int i = 0; i < cast.sitters; ++i) add_sitter(builder, number++, 1 - i);

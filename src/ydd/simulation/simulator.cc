@@ -120,7 +120,7 @@ SimulatedFrame Simulator::render(int index) const {
   const Camera& camera = impl_->camera;
   const sim::Scene& scene = impl_->renderer.scene();
   const double time_s = impl_->time_s(index);
-  const bool kinect = options.depth == "kinect";
+  const bool kinect = options.depth == DepthModel::kinect;
   const SE3 T_world_camera = impl_->path.T_world_camera(time_s);
   const sim::RenderOptions render_options{options.edge_samples, options.threads, kinect,
                                           sim::kinect_projector_camera_m()};

@@ -16,7 +16,7 @@ WorldOptions small(const std::string& path) {
   WorldOptions options;
   options.width_px = 320;
   options.height_px = 240;
-  options.path = path;
+  options.path = parse_choice<PathKind>(path).value();
   options.frames = 120;
   return options;
 }
@@ -64,7 +64,7 @@ Box bounds(const Image<std::uint8_t>& mask, int id) {
 TEST(Simulator, SameSeedSameBytesInAnyOrderOnAnyNumberOfThreads) {
   WorldOptions options = small("xyz");
   options.people = 3;
-  options.depth = "kinect";
+  options.depth = DepthModel::kinect;
   options.exposure_noise = 0.02;
   const Simulator one(options);
   options.threads = 2;

@@ -45,14 +45,14 @@ Result<void> make_folders(const fs::path& folder) {
 
 std::string colour_name(Timestamp stamp, const TumWriterOptions& options) {
   return fmt::format("rgb/{}.{}", short_stamp(stamp),
-                     options.colour_format == "jpeg" ? "jpg" : "png");
+                     options.colour_format == ColourFormat::jpeg ? "jpg" : "png");
 }
 
 Result<void> write_images(const SimulatedFrame& frame, const Camera& camera, const fs::path& folder,
                           const TumWriterOptions& options) {
   const std::string name = short_stamp(frame.frame.stamp) + ".png";
   const fs::path colour = folder / colour_name(frame.frame.stamp, options);
-  Result<void> written = options.colour_format == "jpeg"
+  Result<void> written = options.colour_format == ColourFormat::jpeg
                              ? write_jpeg(colour, frame.frame.colour, options.jpeg_quality)
                              : write_png(colour, frame.frame.colour);
   if (!written) return written;
@@ -163,7 +163,7 @@ Result<void> write_tum_sequence(const Simulator& simulator, const fs::path& fold
   }
   fs::path part = folder;
   if (!part.has_filename()) part = part.parent_path();  // "out/"
-  part += fmt::format(".{}.part", ::getpid());  // two programmes may write the same sequence
+  part += fmt::format(".{}.part", ::getpid());          // two programs may write the same sequence
   std::error_code ignored;
   fs::remove_all(part, ignored);
   if (auto r = write_all(simulator, part, options); !r) {

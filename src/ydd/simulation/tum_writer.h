@@ -11,8 +11,11 @@
 
 namespace ydd {
 
+enum class ColourFormat { png, jpeg };
+constexpr std::array<std::string_view, 2> choices_of(ColourFormat) { return {"png", "jpeg"}; }
+
 struct TumWriterOptions {
-  std::string colour_format = "png";  ///< "png" or "jpeg"
+  ColourFormat colour_format = ColourFormat::png;
   int jpeg_quality = 92;
   int jobs = 1;       ///< frames at the same time; 0: as many as there are cores
   std::string about;  ///< YAML with the options of the world, kept as simulation.yaml

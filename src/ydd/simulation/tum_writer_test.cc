@@ -29,7 +29,7 @@ class TumWriter : public testing::Test {
     options_.height_px = 120;
     options_.frames = 3;
     options_.people = 1;
-    options_.path = "static";
+    options_.path = PathKind::stationary;
   }
   void TearDown() override { fs::remove_all(folder_); }
 
@@ -80,7 +80,7 @@ TEST_F(TumWriter, WritesWhatTheReaderReads) {
 TEST_F(TumWriter, WritesJpegToo) {
   options_.frames = 1;
   TumWriterOptions writing;
-  writing.colour_format = "jpeg";
+  writing.colour_format = ColourFormat::jpeg;
   const fs::path out = folder_ / "sequence";
   ASSERT_TRUE(write_tum_sequence(Simulator(options_), out, writing));
   EXPECT_TRUE(fs::exists(out / "rgb" / "1700000000.000000.jpg"));

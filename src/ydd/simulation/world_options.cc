@@ -9,7 +9,7 @@ void WorldOptions::describe(OptionTable& t) {
   t.add("height", height_px, {48, 1440}, "px", "image height");
   t.add("fps", fps, {1.0, 200.0}, "Hz", "frame rate");
   t.add("frames", frames, {0, 1e6}, "", "length; 0: one round of the path");
-  t.add("path", path, {"static", "xyz", "rpy", "halfsphere", "room_loop"}, "how the camera moves");
+  t.add("path", path, "how the camera moves");
   t.add("people", people, {0, 12}, "", "people in the first room");
   t.add("busy", busy, "people 0.9 to 2 m away before a plainer wall; three unless 'people' is set");
   t.add("rooms", rooms, {1, 20}, "", "rooms in a row, joined by doors");
@@ -18,7 +18,7 @@ void WorldOptions::describe(OptionTable& t) {
   t.add("wall_detail", wall_detail, {0.0, 1.0}, "", "share of the places for posters in use");
   t.add("texture_detail", texture_detail, {0.05, 4.0}, "",
         "texture resolution; 1 suits the camera");
-  t.add("depth", depth, {"exact", "kinect"}, "depth sensor model");
+  t.add("depth", depth, "depth sensor model");
   t.add("pixel_noise", pixel_noise, {0.0, 50.0}, "", "standard deviation of a pixel, grey levels");
   t.add("exposure_noise", exposure_noise, {0.0, 0.5}, "", "standard deviation of a frame's gain");
   t.add("covered_from", covered_from, {0, 1e6}, "", "first frame with a covered (black) lens");
@@ -40,7 +40,7 @@ Camera simulated_camera(const WorldOptions& options) {
   camera.cx_px = (320.1 + 0.5) * scale_x - 0.5;  // pixel centres are at integers
   camera.cy_px = (247.6 + 0.5) * scale_y - 0.5;
   camera.fps = options.fps;
-  if (options.depth == "kinect") {
+  if (options.depth == DepthModel::kinect) {
     camera.min_depth_m = 0.5;
     camera.max_depth_m = 4.5;
   }

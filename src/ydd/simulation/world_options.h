@@ -8,6 +8,13 @@
 
 namespace ydd {
 
+enum class PathKind { stationary, xyz, rpy, halfsphere, room_loop };
+constexpr std::array<std::string_view, 5> choices_of(PathKind) {
+  return {"static", "xyz", "rpy", "halfsphere", "room_loop"};
+}
+enum class DepthModel { exact, kinect };
+constexpr std::array<std::string_view, 2> choices_of(DepthModel) { return {"exact", "kinect"}; }
+
 /// Everything that makes a simulated sequence: the same options give the same bytes.
 struct WorldOptions {
   int seed = 1;
@@ -15,7 +22,7 @@ struct WorldOptions {
   int height_px = 480;
   double fps = 30.0;
   int frames = 0;  ///< 0: as many as one round of the path takes
-  std::string path = "xyz";
+  PathKind path = PathKind::xyz;
 
   int people = 0;
   bool busy = false;  ///< two or three people (or `people`) close to the camera
@@ -25,7 +32,7 @@ struct WorldOptions {
   double wall_detail = 1.0;
   double texture_detail = 1.0;
 
-  std::string depth = "exact";
+  DepthModel depth = DepthModel::exact;
   double pixel_noise = 1.0;
   double exposure_noise = 0.0;
   int covered_from = 0;    ///< first frame with a covered lens

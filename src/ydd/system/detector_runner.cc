@@ -57,7 +57,7 @@ DetectorRunner::Answer DetectorRunner::failed() const {
 
 void DetectOptions::describe(OptionTable& table) {
   table.add(
-      "mode", mode, {"auto", "every-frame", "asynchronous"},
+      "mode", mode,
       "asynchronous: tracking never waits; boxes are carried on from the newest frame that the "
       "detector has seen; auto: every-frame, except in real time when looking is slower than the "
       "camera");

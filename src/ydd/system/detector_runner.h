@@ -16,13 +16,19 @@
 
 namespace ydd {
 
+enum class DetectMode { automatic, every_frame, asynchronous };
+constexpr std::array<std::string_view, 3> choices_of(DetectMode) {
+  return {"auto", "every-frame", "asynchronous"};
+}
+
 /// When frames get boxes.
 struct DetectOptions {
-  std::string mode = "auto";  ///< auto: the application decides, every-frame where it does not
+  DetectMode mode =
+      DetectMode::automatic;  ///< which is every-frame, unless the application decides
   int latency_frames = 0;
   CarryOptions carry;
   void describe(OptionTable& table);
-  bool asynchronous() const { return mode == "asynchronous"; }
+  bool asynchronous() const { return mode == DetectMode::asynchronous; }
 };
 
 /// A detector in a thread of its own, so that it works beside feature extraction. Every frame given

@@ -100,9 +100,9 @@ std::vector<float> frames_seen(const DetectOptions& options, int frames) {
 
 DetectOptions asynchronous(int latency_frames) {
   DetectOptions options;
-  options.mode = "asynchronous";
+  options.mode = DetectMode::asynchronous;
   options.latency_frames = latency_frames;
-  options.carry.motion = "none";
+  options.carry.motion = BoxMotion::none;
   options.carry.missed = 0;
   return options;
 }

@@ -28,7 +28,7 @@ constexpr int kLastingFrames = 60;
 SystemOptions lasting_options(bool deterministic) {
   SystemOptions options;
   options.deterministic = deterministic;
-  options.dynamics.variant = "off";
+  options.dynamics.variant = Variant::off;
   options.dynamics.compensation.points = 500;
   return options;
 }
@@ -137,7 +137,7 @@ TEST_P(LastingMap, AMapOfAnotherCameraIsABrokenPromise) {
   EXPECT_THROW(start(Atlas(other, PyramidScales::make(8, 1.2))), std::logic_error);
 }
 
-TEST_P(LastingMap, TwoOfOnePlaceAreWelded) {
+TEST_P(LastingMap, TwoOfOnePlaceAreMerged) {
   const auto run = [&](int from, int to) {
     const auto system = start();
     feed(*system, from, to);
@@ -152,7 +152,7 @@ TEST_P(LastingMap, TwoOfOnePlaceAreWelded) {
   loop.min_score_ratio = 0.5;
   const Result<MergedMaps> merged = merge_maps(a, b, MapperOptions(), loop);
   ASSERT_TRUE(merged.ok());
-  ASSERT_EQ(merged->welds.size(), 1U);
+  ASSERT_EQ(merged->merges.size(), 1U);
   EXPECT_EQ(merged->separate, 0);
   EXPECT_TRUE(merged->atlas.check_consistency().empty());
   // Its first keyframe stood at the origin of a world of its own.
@@ -173,7 +173,7 @@ TEST_P(LastingMap, TwoOfDifferentPlacesStayApart) {
   const Atlas b = run(Wall(kLastingFrames, 2, 99));
   const Result<MergedMaps> merged = merge_maps(a, b, MapperOptions(), LoopOptions());
   ASSERT_TRUE(merged.ok());
-  EXPECT_TRUE(merged->welds.empty());
+  EXPECT_TRUE(merged->merges.empty());
   EXPECT_EQ(merged->separate, 1);
   EXPECT_EQ(merged->atlas.keyframes().size(), a.keyframes().size() + b.keyframes().size());
 }

@@ -41,7 +41,7 @@ void report(const Atlas& before, const LoopMatch& match, MappingReports& reports
   reports.loops.push_back(describe(before, match));
   const LoopReport& loop = reports.loops.back();
   log::info("frame {}: {} with frame {} ({} points, {:.3f} m)", loop.current_frame,
-            loop.welded ? "map welded" : "loop closed", loop.matched_frame, loop.inliers,
+            loop.merged ? "map merged" : "loop closed", loop.matched_frame, loop.inliers,
             loop.shift_m);
 }
 

@@ -16,7 +16,7 @@ struct LoopReport {
   std::int64_t current_frame = 0, matched_frame = 0;
   int inliers = 0;
   double shift_m = 0;     ///< how far the keyframe had drifted
-  bool welded = false;    ///< two maps became one
+  bool merged = false;    ///< two maps became one
   SE3 T_matched_current;  ///< as measured
 };
 

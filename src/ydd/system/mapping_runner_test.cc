@@ -52,7 +52,7 @@ TEST_P(Runner, BuildsAConsistentMapWhileTheCameraMoves) {
   EXPECT_TRUE(runner_->finish(Ending::complete));
   EXPECT_TRUE(runner_->idle());
   EXPECT_GE(taken, 3U);
-  EXPECT_EQ(runner_->reports().keyframes.size(), taken) << "finish() works off what waits";
+  EXPECT_EQ(runner_->reports().keyframes.size(), taken) << "finish() handles what is queued";
   const auto atlas = runner_->atlas();
   EXPECT_THAT(atlas->check_consistency(), IsEmpty());
   for (const MapperReport& report : runner_->reports().keyframes) {

@@ -66,7 +66,7 @@ Result<MergedMaps> merge_maps(const Atlas& a, const Atlas& b, const MapperOption
       ++out.separate;
       continue;
     }
-    out.welds.push_back({map, atlas->at(match->matched).map, match->seen.size()});
+    out.merges.push_back({map, atlas->at(match->matched).map, match->seen.size()});
     apply_to(mapper, correct_loop(*atlas, *match, loop));
     if (loop.full_bundle) apply_to(mapper, full_bundle(*mapper.snapshot(), match->matched, loop));
   }

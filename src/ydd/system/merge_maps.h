@@ -9,8 +9,8 @@
 
 namespace ydd {
 
-/// Where a map of the second atlas was welded to one of the first.
-struct Weld {
+/// Where a map of the second atlas was merged to one of the first.
+struct MapMerge {
   MapId map;               ///< of the joined atlas: the one that moved
   MapId into;              ///< the one that it became part of
   std::size_t points = 0;  ///< that agree
@@ -18,13 +18,13 @@ struct Weld {
 
 struct MergedMaps {
   Atlas atlas;
-  std::vector<Weld> welds;
+  std::vector<MapMerge> merges;
   int separate = 0;  ///< maps of the second atlas in which no common place was found
 };
 
-/// Puts the maps of `b` beside those of `a`, then welds each to a map of `a` where place
+/// Puts the maps of `b` beside those of `a`, then merges each to a map of `a` where place
 /// recognition finds a common place and all checks of loop closing hold: the map of `b` moves, that
-/// of `a` stays. Ends with bundle adjustment over the welded map if that is switched on.
+/// of `a` stays. Ends with bundle adjustment over the merged map if that is switched on.
 /// Deterministic. Failure: cameras or pyramids differ.
 Result<MergedMaps> merge_maps(const Atlas& a, const Atlas& b, const MapperOptions& mapping,
                               const LoopOptions& loop);

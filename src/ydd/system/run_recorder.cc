@@ -62,7 +62,7 @@ Json loops_to_json(const std::vector<LoopReport>& loops) {
                    {"matched_frame", loop.matched_frame},
                    {"points", loop.inliers},
                    {"shift_m", loop.shift_m},
-                   {"welded_maps", loop.welded}});
+                   {"merged_maps", loop.merged}});
   }
   return out;
 }

@@ -23,7 +23,7 @@ struct RunDescription {
   std::string groundtruth = {};  ///< file; empty: the sequence has none
   std::string incomplete = {};   ///< why the run ended before its sequence did; empty: it did not
   std::optional<Pairing> pairing = {};               ///< of colour and depth by time
-  std::map<std::string, std::string> versions = {};  ///< of what the programme is made of, by name
+  std::map<std::string, std::string> versions = {};  ///< of what the program is made of, by name
 };
 
 /// How large the map was when a frame had been tracked.
@@ -63,7 +63,7 @@ class RunRecorder {
   struct Series {
     std::vector<double> wall_ms, cpu_ms;
   };
-  /// What is told of one frame alone.
+  /// What is recorded of a single frame.
   struct Frame {
     std::int64_t index = 0;
     Timestamp stamp;

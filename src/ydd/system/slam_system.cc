@@ -37,21 +37,8 @@ Atlas initial_atlas(const Camera& camera, const SystemOptions& options, std::opt
 
 std::unique_ptr<MappingRunner> make_mapping(Atlas atlas, const SystemOptions& options) {
   Mapper mapper(std::move(atlas), options.mapping);
-  LoopOptions loop = options.loop;  // matches and poses by the same rules as tracking
-  loop.limits = options.tracking.match;
-  loop.pose = options.tracking.pose;
-  return options.deterministic ? make_inline_mapping(std::move(mapper), loop)
-                               : make_threaded_mapping(std::move(mapper), loop);
-}
-
-/// Equal results need answers at fixed frames.
-DetectOptions detect_options(const SystemOptions& options) {
-  constexpr int kDeterministicLatency = 2;
-  DetectOptions detect = options.detect;
-  if (options.deterministic && detect.latency_frames == 0) {
-    detect.latency_frames = kDeterministicLatency;
-  }
-  return detect;
+  return options.deterministic ? make_inline_mapping(std::move(mapper), options.loop)
+                               : make_threaded_mapping(std::move(mapper), options.loop);
 }
 
 }  // namespace
@@ -60,15 +47,14 @@ SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
                        ObjectCatalogue catalogue, std::unique_ptr<Detector> detector,
                        std::optional<Atlas> map)
     : camera_(with_lens_of(camera, map)),
-      options_(options),
-      extractor_(options.orb),
-      judge_(options.dynamics, std::move(catalogue)),
-      tracker_(options.tracking, map && !map->keyframes().empty()),
-      mapping_(make_mapping(initial_atlas(camera, options, std::move(map)), options)) {
+      options_(options.resolved()),
+      extractor_(options_.orb),
+      judge_(options_.dynamics, std::move(catalogue)),
+      tracker_(options_.tracking, map && !map->keyframes().empty()),
+      mapping_(make_mapping(initial_atlas(camera, options_, std::move(map)), options_)) {
   if (!detector) return;
-  if (options.detect.asynchronous()) {
-    asynchronous_ =
-        std::make_unique<AsynchronousDetection>(std::move(detector), detect_options(options));
+  if (options_.detect.asynchronous()) {
+    asynchronous_ = std::make_unique<AsynchronousDetection>(std::move(detector), options_.detect);
   } else {
     detector_ = std::make_unique<DetectorRunner>(std::move(detector));
   }
@@ -158,7 +144,7 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
 }
 
 void SlamSystem::reset() {
-  const Variant variant = judge_.options().parsed_variant();
+  const Variant variant = judge_.options().variant;
   (void)mapping_->finish(Ending::prompt);  // its failure goes with its map
   mapping_ = make_mapping(initial_atlas(camera_, options_, std::nullopt), options_);
   tracker_ = Tracker(options_.tracking);

@@ -58,7 +58,7 @@ class SlamSystem {
 
   /// What is rejected from the next frame on.
   void set_variant(Variant variant) { judge_.set_variant(variant); }
-  Variant variant() const { return judge_.options().parsed_variant(); }
+  Variant variant() const { return judge_.options().variant; }
 
   /// Forgets every map, the trajectory and what is known of persons; the next frame starts the
   /// first map again, with the variant of now. What the mapper still has is dropped.
@@ -78,13 +78,13 @@ class SlamSystem {
   /// Saves the map as it is now, whole when it returns; also after `finish`.
   Result<void> save_map(const std::filesystem::path& file);
 
-  /// Works off what the mapper still has, or, with a prompt ending, interrupts it and keeps what
+  /// Finishes what the mapper still has, or, with a prompt ending, interrupts it and keeps what
   /// there is. Afterwards nothing may be processed. Tells what went wrong in a thread inside; map
   /// and trajectory are there all the same.
   Result<void> finish(Ending ending = Ending::complete);
 
   /// Poses of the frames that were tracked in the main map (the one that most frames belong to),
-  /// resolved against its newest state. Frames of another map that was never welded to it have no
+  /// resolved against its newest state. Frames of another map that was never merged to it have no
   /// place in its world.
   StampedPoses trajectory() const;
   /// Poses of the keyframes of the main map.

@@ -17,7 +17,7 @@ using testing_world::Wall;
 
 constexpr int kFrames = 40;
 
-SystemOptions options_for(bool deterministic, const std::string& variant = "off") {
+SystemOptions options_for(bool deterministic, Variant variant = Variant::off) {
   SystemOptions options;
   options.deterministic = deterministic;
   options.dynamics.variant = variant;
@@ -98,8 +98,8 @@ TEST_P(System, ResetForgetsEverythingAndStartsAfresh) {
 
 TEST_P(System, TheVariantCanBeSwitchedBetweenFrames) {
   const Wall wall(kFrames);
-  SlamSystem system(wall.camera(), options_for(GetParam(), "off"), ObjectCatalogue::defaults(),
-                    std::make_unique<Fixed>());
+  SlamSystem system(wall.camera(), options_for(GetParam(), Variant::off),
+                    ObjectCatalogue::defaults(), std::make_unique<Fixed>());
   EXPECT_EQ(system.variant(), Variant::off);
   EXPECT_EQ(system.process(wall.frame(0))->judgement.rejected(), 0);
   system.set_variant(Variant::box);
@@ -134,8 +134,8 @@ TEST_P(System, FramesWithoutAPoseAreNotInTheTrajectory) {
 
 TEST_P(System, RejectedPointsNeverReachTheMap) {
   const Wall wall(kFrames);
-  SlamSystem system(wall.camera(), options_for(GetParam(), "box"), ObjectCatalogue::defaults(),
-                    std::make_unique<Fixed>());
+  SlamSystem system(wall.camera(), options_for(GetParam(), Variant::box),
+                    ObjectCatalogue::defaults(), std::make_unique<Fixed>());
   int rejected = 0;
   for (int i = 0; i < 10; ++i) {
     const Result<FrameReport> report = system.process(wall.frame(i));
@@ -158,7 +158,7 @@ TEST_P(System, RejectedPointsNeverReachTheMap) {
 
 TEST(SlamSystem, GivesTheErrorOfItsDetector) {
   const Wall wall(kFrames);
-  SlamSystem system(wall.camera(), options_for(true, "full"), ObjectCatalogue::defaults(),
+  SlamSystem system(wall.camera(), options_for(true, Variant::full), ObjectCatalogue::defaults(),
                     std::make_unique<Fixed>(5));
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(system.process(wall.frame(i)).ok());
   const Result<FrameReport> report = system.process(wall.frame(5));
@@ -215,7 +215,7 @@ TEST_P(System, AMapperThatFailsOnTheFirstFrameIsNotWaitedFor) {
 TEST(SlamSystem, IsDeterministicWhenAsked) {
   const auto run = [] {
     const Wall wall(kFrames);
-    SlamSystem system(wall.camera(), options_for(true, "full"), ObjectCatalogue::defaults(),
+    SlamSystem system(wall.camera(), options_for(true, Variant::full), ObjectCatalogue::defaults(),
                       std::make_unique<Fixed>());
     for (int i = 0; i < 25; ++i) EXPECT_TRUE(system.process(wall.frame(i)).ok());
     EXPECT_TRUE(system.finish());

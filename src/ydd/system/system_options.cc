@@ -18,7 +18,24 @@ void SystemOptions::describe(OptionTable& t) {
   t.group("loop", loop);
   t.group("detect", detect);
   t.group("map", map);
+  t.add("close_depth", close_depth_m, {0.1, 100.0}, "m",
+        "nearer readings become points at once and count when keyframes are compared");
   t.add("deterministic", deterministic, "map in the tracking thread: two runs give equal bytes");
+}
+
+SystemOptions SystemOptions::resolved() const {
+  constexpr int kDeterministicLatency_frames = 2;  // equal results need answers at fixed frames
+  SystemOptions result = *this;
+  result.dynamics = dynamics.resolved();
+  result.tracking.close_depth_m = close_depth_m;
+  result.mapping.close_depth_m = close_depth_m;
+  result.mapping.cull.close_depth_m = close_depth_m;
+  result.loop.limits = tracking.match;  // matches and poses by the same rules as tracking
+  result.loop.pose = tracking.pose;
+  if (deterministic && detect.latency_frames == 0) {
+    result.detect.latency_frames = kDeterministicLatency_frames;
+  }
+  return result;
 }
 
 }  // namespace ydd

@@ -26,9 +26,13 @@ struct SystemOptions {
   LoopOptions loop;
   DetectOptions detect;
   MapOptions map;
+  /// Readings up to here tell of their point's place by themselves: they become points at once.
+  double close_depth_m = 3.0;
   bool deterministic = false;
 
   void describe(OptionTable& table);
+  /// What is meant: each part with what it shares with the others.
+  SystemOptions resolved() const;
 };
 
 }  // namespace ydd

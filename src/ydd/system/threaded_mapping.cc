@@ -28,7 +28,7 @@ class ThreadedMapping final : public MappingRunner {
         mapping_thread_([this](const std::stop_token& abandoned) { run_mapping(abandoned); }),
         loop_thread_([this](const std::stop_token& abandoned) { run_loop(abandoned); }) {}
 
-  /// What waits is dropped: the threads are told so where they are joined.
+  /// What is queued is dropped; the threads learn of it where they are joined.
   ~ThreadedMapping() override { solving_.request_stop(); }
   ThreadedMapping(const ThreadedMapping&) = delete;
   ThreadedMapping& operator=(const ThreadedMapping&) = delete;

@@ -15,7 +15,7 @@ constexpr double kNoSensor_per_m = 0.05;
 
 }  // namespace
 
-DepthWatch::Verdict DepthWatch::judge(const Camera& camera, const PyramidScales& scales,
+DepthWatch::Verdict DepthWatch::check(const Camera& camera, const PyramidScales& scales,
                                       const Features& features, const SE3& T_camera_world,
                                       const std::vector<PointMatch>& matches,
                                       const PoseOnlyOptions& pose_options, bool in_doubt) const {

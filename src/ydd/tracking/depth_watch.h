@@ -25,7 +25,7 @@ class DepthWatch {
   };
   /// Who is in doubt already believes less. `matches` are the frame's keypoints with map points,
   /// `T_camera_world` its pose with depth.
-  Verdict judge(const Camera& camera, const PyramidScales& scales, const Features& features,
+  Verdict check(const Camera& camera, const PyramidScales& scales, const Features& features,
                 const SE3& T_camera_world, const std::vector<PointMatch>& matches,
                 const PoseOnlyOptions& pose_options, bool in_doubt) const;
 

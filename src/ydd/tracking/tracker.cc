@@ -66,7 +66,7 @@ TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_i
   refresh_last_frame(atlas);
   TrackResult result;
   if (find_pose(atlas, frame, result)) {
-    return judge(std::move(frame), atlas, std::move(result), mapper_idle);
+    return conclude(std::move(frame), atlas, std::move(result), mapper_idle);
   }
   // What contradicts the map with its depth may agree with it without.
   if (state_ == TrackingState::tracking && options_.doubt.enabled) {
@@ -94,8 +94,8 @@ bool Tracker::find_pose(const Atlas& atlas, TrackedFrame& frame, TrackResult& re
   return track_local_map(atlas, frame, result);
 }
 
-TrackResult Tracker::judge(TrackedFrame frame, const Atlas& atlas, TrackResult result,
-                           bool mapper_idle) {
+TrackResult Tracker::conclude(TrackedFrame frame, const Atlas& atlas, TrackResult result,
+                              bool mapper_idle) {
   if (!moves_as_a_body(frame)) {
     return finish_doubted(std::move(frame), atlas, std::move(result),
                           "the pose jumps as no body moves");
@@ -365,7 +365,7 @@ bool Tracker::moves_as_a_body(const TrackedFrame& frame) const {
 
 bool Tracker::depth_is_doubtful(const Atlas& atlas, TrackedFrame& frame) {
   const DepthWatch::Verdict verdict =
-      depth_watch_.judge(atlas.camera(), atlas.scales(), frame.features(), frame.T_camera_world,
+      depth_watch_.check(atlas.camera(), atlas.scales(), frame.features(), frame.T_camera_world,
                          local_matches_, options_.pose, doubt_.pending());
   if (!verdict.doubtful && frame.doubt.empty()) {
     depth_watch_.learn(verdict);
@@ -440,7 +440,7 @@ TrackResult Tracker::finish_lost(TrackedFrame frame, const Atlas& atlas, TrackRe
   if (!lost_since_) lost_since_ = frame.stamp;
   state_ = result.state = TrackingState::lost;
   T_camera_last_.reset();
-  // A young map is worth no waiting; if it shows the same room it is welded later.
+  // A young map is worth no waiting; if it shows the same room it is merged later.
   const bool young = !doubt_.pending() && is_young(atlas);
   const double wait_s = young ? 0 : options_.new_map_after_s;
   if (seconds_between(*lost_since_, frame.stamp) < wait_s) return result;

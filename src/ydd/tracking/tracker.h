@@ -36,7 +36,7 @@ struct TrackerOptions {
   int min_motion_inliers = 10;
   int min_local_inliers = 20;
   int max_local_keyframes = 80;
-  double close_depth_m = 3.0;
+  double close_depth_m = 3.0;  ///< SystemOptions sets it
   int place_candidates = 5;
   double new_map_after_s = 3.0;
   int young_map_keyframes = 5;
@@ -92,7 +92,8 @@ class Tracker {
   };
 
   bool find_pose(const Atlas& atlas, TrackedFrame& frame, TrackResult& result);
-  TrackResult judge(TrackedFrame frame, const Atlas& atlas, TrackResult result, bool mapper_idle);
+  TrackResult conclude(TrackedFrame frame, const Atlas& atlas, TrackResult result,
+                       bool mapper_idle);
   TrackResult initialize(TrackedFrame frame);
   bool adopt_first_keyframe(const Atlas& atlas);
   std::vector<KeyFrameId> similar_places(const TrackedFrame& frame, const Atlas& atlas) const;

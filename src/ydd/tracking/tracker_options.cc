@@ -42,8 +42,6 @@ void TrackerOptions::describe(OptionTable& t) {
   t.add("young_map", young_map_keyframes, {0, 1000}, "keyframes",
         "a map of so few that is lost is not waited for: a new one starts at once");
   t.group("doubt", doubt);
-  t.add("close_depth", close_depth_m, {0.1, 100.0}, "m",
-        "nearer depth readings become points at once");
 }
 
 }  // namespace ydd

@@ -61,7 +61,7 @@ struct Walk {
   /// Keypoint k of each keyframe sees one point: where it really is does not matter here.
   void share(int k) {
     const MapPointId id = atlas.add_point({0.01 * k, 0, 2}, keyframes.front(), k);
-    for (std::size_t i = 1; i < keyframes.size(); ++i) atlas.add_sighting(id, keyframes[i], k);
+    for (std::size_t i = 1; i < keyframes.size(); ++i) atlas.add_observation(id, keyframes[i], k);
   }
   LiveFrame live() {
     LiveFrame live;

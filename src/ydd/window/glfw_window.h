@@ -13,7 +13,7 @@ namespace ydd {
 /// Owns the window, its OpenGL context and ImGui's state. One at a time, in the main thread.
 class GlfwWindow {
  public:
-  /// Why there is none is told in one line.
+  /// One line says why there is none.
   static Result<GlfwWindow> open(int width_px, int height_px, const char* title);
   GlfwWindow(GlfwWindow&& other) noexcept;
   GlfwWindow& operator=(GlfwWindow&& other) noexcept;

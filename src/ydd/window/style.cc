@@ -50,7 +50,7 @@ void apply_style(float scale) {
 void load_font(float scale) {
   const ImGuiIO& io = ImGui::GetIO();
   for (const char* const file : kFonts) {
-    // ImGui would stop the programme at a file that is not there.
+    // ImGui would stop the program at a file that is not there.
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) continue;
     if (io.Fonts->AddFontFromFileTTF(file, kFontSize_px * scale)) return;

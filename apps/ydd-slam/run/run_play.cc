@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "run/run_feed.h"
+#include "run/run_play.h"
 
 #include <algorithm>
 #include <cctype>
@@ -81,9 +81,9 @@ PrefetchOptions prefetch(const RunRequest& request) {
 }
 
 /// One pass over the sequence.
-class Feed {
+class Playback {
  public:
-  Feed(const FeedInput& input, SlamSystem& system, Listeners& listeners, LiveControl* live)
+  Playback(const PlayInput& input, SlamSystem& system, Listeners& listeners, LiveControl* live)
       : input_(input),
         system_(system),
         listeners_(listeners),
@@ -103,7 +103,7 @@ class Feed {
       if (input_.request.realtime && !pace_.wait_until_due(i)) return {};
       const auto frame = source.next();
       if (!frame) break;
-      if (auto r = *frame ? feed_frame(**frame) : skip(i, frame->error()); !r) return r;
+      if (auto r = *frame ? process_frame(**frame) : skip(i, frame->error()); !r) return r;
     }
     return {};
   }
@@ -151,7 +151,7 @@ class Feed {
   }
 
   /// A frame that could be read: through the system, into the recorder, to all who listen.
-  Result<void> feed_frame(const RgbdFrame& frame) {
+  Result<void> process_frame(const RgbdFrame& frame) {
     Result<FrameReport> report = system_.process(frame);
     if (!report) return Error{fmt::format("frame {}: {}", frame.index, report.error().message)};
     newest_ = frame.index;
@@ -182,7 +182,7 @@ class Feed {
     return {};
   }
 
-  const FeedInput& input_;
+  const PlayInput& input_;
   SlamSystem& system_;
   Listeners& listeners_;
   RunRecorder& recorder_;  ///< of the listeners
@@ -197,7 +197,7 @@ class Feed {
 
 }  // namespace
 
-LiveScene live_scene(const FeedInput& input, bool has_detector,
+LiveScene live_scene(const PlayInput& input, bool has_detector,
                      const std::filesystem::path& folder) {
   LiveScene scene{input.sequence.name(),
                   input.sequence.size(),
@@ -214,15 +214,15 @@ LiveScene live_scene(const FeedInput& input, bool has_detector,
   return scene;
 }
 
-FeedEnd feed(const FeedInput& input, SlamSystem& system, Listeners& listeners, LiveControl* live) {
+PlayEnd play(const PlayInput& input, SlamSystem& system, Listeners& listeners, LiveControl* live) {
   for (const std::string& odd : odd_stamps(input.sequence, input.camera.fps)) {
     log::warning("{}: {}", input.sequence.folder().string(), odd);
   }
-  Feed pass(input, system, listeners, live);
+  Playback pass(input, system, listeners, live);
   Result<void> fed = guarded("", [&] { return pass.run(); });
   const Result<void> finished = guarded("", [&] { return pass.finish(); });
   if (fed) fed = finished;
-  FeedEnd end;
+  PlayEnd end;
   end.incomplete = fed ? pass.interrupted() : "error: " + fed.error().message;
   if (!fed) {
     end.failure = fed.error().message;

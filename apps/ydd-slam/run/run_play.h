@@ -16,7 +16,7 @@
 namespace ydd::app {
 
 /// What a run reads; all of it outlives the run.
-struct FeedInput {
+struct PlayInput {
   const Sequence& sequence;
   const Camera& camera;
   const RunRequest& request;
@@ -32,7 +32,7 @@ struct Listeners {
 };
 
 /// How a run ended.
-struct FeedEnd {
+struct PlayEnd {
   std::string incomplete;  ///< why before the sequence did; empty: it did not
   std::string failure;     ///< one line; empty: none
 };
@@ -40,12 +40,12 @@ struct FeedEnd {
 /// What watchers of the run need to know beforehand. Ground truth that cannot be read is left out:
 /// the report at the end tells why. A map that a watcher saves
 /// goes to the request's file, else to map.ydd in `folder`.
-LiveScene live_scene(const FeedInput& input, bool has_detector,
+LiveScene live_scene(const PlayInput& input, bool has_detector,
                      const std::filesystem::path& folder);
 
-/// Feeds the sequence to the system, frame by frame, until it ends, a watcher or a signal ends it,
+/// Plays the sequence to the system, frame by frame, until it ends, a watcher or a signal ends it,
 /// or something fails; and finishes the system. `listeners` hear of every frame; `live` (may be
 /// null) shows it to watchers and takes their commands.
-FeedEnd feed(const FeedInput& input, SlamSystem& system, Listeners& listeners, LiveControl* live);
+PlayEnd play(const PlayInput& input, SlamSystem& system, Listeners& listeners, LiveControl* live);
 
 }  // namespace ydd::app
