@@ -8,11 +8,11 @@
 #include "ydd/base/timing.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/dataset/frame_source.h"
-#include "ydd/detection/box_carrier.h"
 #include "ydd/detection/recorded_detections.h"
 #include "ydd/dynamics/judge.h"
 #include "ydd/features/orb_extractor.h"
 #include "ydd/image/decode.h"
+#include "ydd/objects/box_carrier.h"
 #include "ydd/system/system_options.h"
 
 namespace ydd::app {
@@ -36,9 +36,10 @@ Result<GreyImage> load_mask(const Sequence& sequence, std::size_t i) {
 }
 
 std::vector<Box> person_boxes(const Detections& detections) {
+  static const ObjectCatalogue kCatalogue = ObjectCatalogue::defaults();
   std::vector<Box> boxes;
   for (const Detection& d : detections) {
-    if (d.class_name == "person") boxes.push_back(d.box);
+    if (kCatalogue.is_person(d.class_name)) boxes.push_back(d.box);
   }
   return boxes;
 }

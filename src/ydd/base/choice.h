@@ -12,7 +12,8 @@ namespace ydd {
 
 /// An enumeration whose values have names in files and on the command line. Beside it stands
 ///
-///     constexpr std::array<std::string_view, 2> choices_of(Lens) { return {"pinhole", "fisheye"}; }
+///     constexpr std::array<std::string_view, 2> choices_of(Lens) { return {"pinhole", "fisheye"};
+///     }
 ///
 /// with the names in the order of the values, which count from 0.
 template <class E>

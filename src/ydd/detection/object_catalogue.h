@@ -85,6 +85,9 @@ class ObjectCatalogue {
 
   bool knows(std::string_view class_name) const { return classes_.contains(class_name); }
   Subcategory subcategory_of(std::string_view class_name) const;
+  bool is_person(std::string_view class_name) const {
+    return subcategory_of(class_name) == Subcategory::person;
+  }
   /// Extent along the optical axis; of a person `2 * half_hand`, of a static class 0.
   double extent_m(std::string_view class_name) const;
   const DepthExtents& extents() const { return extents_; }

@@ -7,7 +7,6 @@
 
 #include "ydd/dynamics/compensation.h"
 #include "ydd/dynamics/connected_things.h"
-#include "ydd/dynamics/moving_regions.h"
 
 namespace ydd {
 namespace {
@@ -25,6 +24,7 @@ std::vector<ObjectJudgement> explain(const Scene& scene, std::span<const MovingR
     if (region.object < 0 || region.rule == Rule::connected) continue;  // nothing detected
     judgements[region.object].rule = region.rule;
     judgements[region.object].range = region.range;
+    if (region.track >= 0) judgements[region.object].track = region.track;
   }
   for (const Body& body : scene.bodies) {
     ObjectJudgement& person = judgements[body.person];
@@ -124,10 +124,7 @@ Judgement DynamicsJudge::judge(const Features& features, const Detections& detec
   Judgement judgement;
   if (dynamic_frame) {
     const Scene scene = make_scene(detections, catalogue_, depth_m, options_);
-    std::vector<MovingRegion> bodies = body_regions(scene, options_);
-    const std::vector<MovingRegion> carried = carry(bodies, depth_m);
-    bodies.insert(bodies.end(), carried.begin(), carried.end());
-    judgement = judge_scene(options_, scene, std::move(bodies), features);
+    judgement = judge_scene(options_, scene, persons_of(scene), features);
   } else {
     tracks_.clear();
     judgement.rules.assign(features.size(), Rule::kept);
@@ -137,13 +134,13 @@ Judgement DynamicsJudge::judge(const Features& features, const Detections& detec
   return judgement;
 }
 
-std::vector<MovingRegion> DynamicsJudge::carry(const std::vector<MovingRegion>& bodies,
-                                               const DepthImage& depth_m) {
-  const RefinementOptions& refinement = options_.refinement;
-  if (options_.variant != Variant::full || !refinement.bridging) return {};
-  Bridging bridging = bridge(tracks_, bodies, depth_m.width(), depth_m.height(), refinement.bridge);
-  tracks_ = std::move(bridging.tracks);
-  return std::move(bridging.regions);
+std::vector<MovingRegion> DynamicsJudge::persons_of(const Scene& scene) {
+  std::vector<MovingRegion> persons = body_regions(scene, options_);
+  if (options_.variant != Variant::full || !options_.refinement.bridging) return persons;
+  const std::vector<MovingRegion> missed = tracks_.follow(
+      persons, scene.depth_m.width(), scene.depth_m.height(), options_.refinement.bridge);
+  persons.insert(persons.end(), missed.begin(), missed.end());
+  return persons;
 }
 
 }  // namespace ydd

@@ -7,10 +7,11 @@
 
 #include "ydd/detection/detection.h"
 #include "ydd/detection/object_catalogue.h"
-#include "ydd/dynamics/bridging.h"
 #include "ydd/dynamics/depth_range.h"
 #include "ydd/dynamics/dynamics_options.h"
 #include "ydd/dynamics/filtered_features.h"
+#include "ydd/dynamics/moving_regions.h"
+#include "ydd/dynamics/person_tracks.h"
 #include "ydd/dynamics/point_rules.h"
 #include "ydd/dynamics/scene_switch.h"
 #include "ydd/features/features.h"
@@ -29,6 +30,7 @@ struct ObjectJudgement {
   float coincidence = 0;            ///< person: largest coincidence degree with another
   int head = -1;                    ///< person: detection index of its head; -1: none matched
   std::vector<int> hands;           ///< person: detection indices of its hands
+  std::int64_t track = -1;          ///< person: the same number in every frame; -1: not followed
 };
 
 /// A frame's points and objects, judged.
@@ -73,14 +75,13 @@ class DynamicsJudge {
   const ObjectCatalogue& catalogue() const { return catalogue_; }
 
  private:
-  /// Regions of persons that were missed in this frame.
-  std::vector<MovingRegion> carry(const std::vector<MovingRegion>& bodies,
-                                  const DepthImage& depth_m);
+  /// Regions of all persons of a frame, those included that were missed in it.
+  std::vector<MovingRegion> persons_of(const Scene& scene);
 
   DynamicsOptions options_;
   ObjectCatalogue catalogue_;
   SceneSwitch switch_;
-  std::vector<BodyTrack> tracks_;
+  PersonTracks tracks_;
   int budget_;
 };
 

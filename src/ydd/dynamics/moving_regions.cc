@@ -17,7 +17,7 @@ bool is_small(const Scene& scene, const Box& box, const DynamicsOptions& options
 
 MovingRegion region_of(const Scene& scene, int object, Rule rule,
                        std::optional<DepthRange> range = std::nullopt) {
-  return {object, rule, scene.objects[object].box, range};
+  return {.object = object, .rule = rule, .box = scene.objects[object].box, .range = range};
 }
 
 /// Calls `visit(index)` for all objects of that category or kind.

@@ -18,6 +18,7 @@ struct MovingRegion {
   Rule rule = Rule::kept;
   Box box;
   std::optional<DepthRange> range;  ///< none: full rejection, every point in the box goes
+  std::int64_t track = -1;          ///< of the person it belongs to; -1: of none
 };
 
 /// An image position to be judged and its depth; 0: no reading.

@@ -42,8 +42,7 @@ class Viewpoint {
     }
     const double view_cosine = ray.dot(point.normal) / distance_m;
     if (view_cosine < kMinViewCosine) return std::nullopt;
-    return VisiblePoint{px, p_camera.z(), view_cosine,
-                        octave_at(point.max_distance_m, distance_m)};
+    return VisiblePoint{px, p_camera.z(), view_cosine, octave_at(point.max_distance_m, distance_m)};
   }
 
  private:

@@ -68,8 +68,12 @@ void DetectOptions::describe(OptionTable& table) {
 }
 
 AsynchronousDetection::AsynchronousDetection(std::unique_ptr<Detector> detector,
-                                             const DetectOptions& options)
-    : options_(options), runner_(std::move(detector)), carrier_(options.carry) {}
+                                             const DetectOptions& options,
+                                             const ObjectCatalogue& catalogue)
+    : options_(options),
+      catalogue_(catalogue),
+      runner_(std::move(detector)),
+      carrier_(options.carry, catalogue) {}
 
 AsynchronousDetection::Boxes AsynchronousDetection::next(const RgbdFrame& frame) {
   Boxes boxes;
@@ -105,7 +109,7 @@ void AsynchronousDetection::forget() {
   if (asked_ >= 0) runner_.join();  // an answer for a frame that is no more
   asked_ = -1;
   first_ = true;
-  carrier_ = BoxCarrier(options_.carry);
+  carrier_ = BoxCarrier(options_.carry, catalogue_);
 }
 
 std::optional<DetectorRunner::Answer> AsynchronousDetection::answer_for(std::int64_t frame) {

@@ -11,8 +11,8 @@
 #include "ydd/base/guard.h"
 #include "ydd/base/options.h"
 #include "ydd/base/timing.h"
-#include "ydd/detection/box_carrier.h"
 #include "ydd/detection/detector.h"
+#include "ydd/objects/box_carrier.h"
 
 namespace ydd {
 
@@ -72,7 +72,8 @@ class DetectorRunner {
 /// took: two runs see the same boxes. Thread: one.
 class AsynchronousDetection {
  public:
-  AsynchronousDetection(std::unique_ptr<Detector> detector, const DetectOptions& options);
+  AsynchronousDetection(std::unique_ptr<Detector> detector, const DetectOptions& options,
+                        const ObjectCatalogue& catalogue = ObjectCatalogue::defaults());
 
   struct Boxes {
     Result<Detections> detections = Detections{};
@@ -87,6 +88,7 @@ class AsynchronousDetection {
   std::optional<DetectorRunner::Answer> answer_for(std::int64_t frame);
 
   DetectOptions options_;
+  ObjectCatalogue catalogue_;
   DetectorRunner runner_;
   BoxCarrier carrier_;
   std::int64_t asked_ = -1;  // frame that the detector looks at, negative: none

@@ -54,7 +54,8 @@ SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
       mapping_(make_mapping(initial_atlas(camera, options_, std::move(map)), options_)) {
   if (!detector) return;
   if (options_.detect.asynchronous()) {
-    asynchronous_ = std::make_unique<AsynchronousDetection>(std::move(detector), options_.detect);
+    asynchronous_ = std::make_unique<AsynchronousDetection>(std::move(detector), options_.detect,
+                                                            judge_.catalogue());
   } else {
     detector_ = std::make_unique<DetectorRunner>(std::move(detector));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ydd/detection/box_carrier.h"
+#include "ydd/objects/box_carrier.h"
 
 #include <cmath>
 #include <random>

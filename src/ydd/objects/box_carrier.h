@@ -8,6 +8,7 @@
 
 #include "ydd/base/options.h"
 #include "ydd/detection/detection.h"
+#include "ydd/detection/object_catalogue.h"
 #include "ydd/image/rgbd_frame.h"
 
 namespace ydd {
@@ -36,7 +37,9 @@ struct CarryOptions {
 /// Data in, data out; the same calls give the same boxes. Thread: one.
 class BoxCarrier {
  public:
-  explicit BoxCarrier(const CarryOptions& options);
+  /// Persons are what `catalogue` says.
+  explicit BoxCarrier(const CarryOptions& options,
+                      ObjectCatalogue catalogue = ObjectCatalogue::defaults());
   ~BoxCarrier();
   BoxCarrier(BoxCarrier&&) noexcept;
   BoxCarrier& operator=(BoxCarrier&&) noexcept;
@@ -54,7 +57,7 @@ class BoxCarrier {
 
  private:
   struct Picture;  // small grey picture and depth of one frame
-  struct Thing {
+  struct Carried {
     Detection detection;
     float dx_px = 0, dy_px = 0;  // per frame, of the last step
     int seen = 1;                // results with it
@@ -64,20 +67,23 @@ class BoxCarrier {
     bool known = false;
     float dx_px = 0, dy_px = 0, growth = 1;
   };
-  static std::vector<Flow> flows_of(const std::vector<Thing>& things, const Picture& from,
+  static std::vector<Flow> flows_of(const std::vector<Carried>& objects, const Picture& from,
                                     const Picture& to);
   static Flow summary(std::vector<float> dx, std::vector<float> dy, std::vector<float> nearer);
-  /// Moves `things` from one picture to the next.
-  void move(std::vector<Thing>& things, const Picture& from, const Picture& to) const;
-  std::vector<Thing> carried(const std::vector<Thing>& things, std::size_t from_picture) const;
-  std::vector<Thing> received(std::int64_t frame_index, const Detections& found);
-  bool same(const Detection& a, const Detection& b) const;
-  void set_velocities(std::vector<Thing>& fresh, int frames) const;
+  /// Moves `objects` from one picture to the next.
+  void move(std::vector<Carried>& objects, const Picture& from, const Picture& to) const;
+  std::vector<Carried> carried(const std::vector<Carried>& objects, std::size_t from_picture) const;
+  std::vector<Carried> received(std::int64_t frame_index, const Detections& found);
+  /// For each of `fresh` the index of the same object in `known`, or -1.
+  std::vector<int> known_as(const std::vector<Carried>& fresh,
+                            const std::vector<Carried>& known) const;
+  void set_velocities(std::vector<Carried>& fresh, int frames) const;
 
   CarryOptions options_;
+  ObjectCatalogue catalogue_;
   std::vector<Picture> pictures_;  // by rising index
-  std::vector<Thing> things_;      // in the newest frame
-  std::vector<Thing> last_result_;
+  std::vector<Carried> objects_;   // in the newest frame
+  std::vector<Carried> last_result_;
   std::int64_t last_result_frame_ = -1;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ydd/detection/box_carrier.h"
+#include "ydd/objects/box_carrier.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "ydd/detection/boxes.h"
+#include "ydd/objects/object_tracker.h"
 
 namespace ydd {
 namespace {
@@ -104,7 +105,8 @@ void CarryOptions::describe(OptionTable& table) {
             "intersection over union that makes two boxes of a class the same thing");
 }
 
-BoxCarrier::BoxCarrier(const CarryOptions& options) : options_(options) {}
+BoxCarrier::BoxCarrier(const CarryOptions& options, ObjectCatalogue catalogue)
+    : options_(options), catalogue_(std::move(catalogue)) {}
 BoxCarrier::~BoxCarrier() = default;
 BoxCarrier::BoxCarrier(BoxCarrier&&) noexcept = default;
 BoxCarrier& BoxCarrier::operator=(BoxCarrier&&) noexcept = default;
@@ -126,17 +128,17 @@ void BoxCarrier::advance(const RgbdFrame& frame) {
     cv::resize(grey, picture.small, {}, picture.scale, picture.scale, cv::INTER_AREA);
     cv::buildOpticalFlowPyramid(picture.small, picture.pyramid, kWindow, kLevels);
   }
-  if (!pictures_.empty()) move(things_, pictures_.back(), picture);
+  if (!pictures_.empty()) move(objects_, pictures_.back(), picture);
   pictures_.push_back(std::move(picture));
   constexpr std::size_t kLongest = 64;  // a detector that never answers must not fill the memory
   if (pictures_.size() > kLongest) pictures_.erase(pictures_.begin());
 }
 
-void BoxCarrier::move(std::vector<Thing>& things, const Picture& from, const Picture& to) const {
+void BoxCarrier::move(std::vector<Carried>& objects, const Picture& from, const Picture& to) const {
   if (options_.motion == BoxMotion::none) return;
-  const std::vector<Flow> flows = flows_of(things, from, to);
-  for (std::size_t i = 0; i < things.size(); ++i) {
-    Thing& thing = things[i];
+  const std::vector<Flow> flows = flows_of(objects, from, to);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    Carried& thing = objects[i];
     if (flows[i].known) {
       thing.dx_px = flows[i].dx_px;
       thing.dy_px = flows[i].dy_px;
@@ -144,20 +146,20 @@ void BoxCarrier::move(std::vector<Thing>& things, const Picture& from, const Pic
     thing.detection.box = moved(thing.detection.box, thing.dx_px, thing.dy_px, flows[i].growth,
                                 to.width_px, to.height_px);
   }
-  std::erase_if(things, [&](const Thing& t) {
+  std::erase_if(objects, [&](const Carried& t) {
     const Box seen = clipped(t.detection.box, to.width_px, to.height_px);
     return seen.width() < 1 || seen.height() < 1;
   });
 }
 
-std::vector<BoxCarrier::Flow> BoxCarrier::flows_of(const std::vector<Thing>& things,
+std::vector<BoxCarrier::Flow> BoxCarrier::flows_of(const std::vector<Carried>& objects,
                                                    const Picture& from, const Picture& to) {
-  std::vector<Flow> flows(things.size());
-  if (from.small.empty() || from.small.size() != to.small.size() || things.empty()) return flows;
+  std::vector<Flow> flows(objects.size());
+  if (from.small.empty() || from.small.size() != to.small.size() || objects.empty()) return flows;
   std::vector<Sample> samples;
   std::vector<std::size_t> ends;
   std::vector<cv::Point2f> before, after;
-  for (const Thing& thing : things) {
+  for (const Carried& thing : objects) {
     for (const Sample& s : samples_of(thing.detection.box, from.depth_m, from.scale)) {
       samples.push_back(s);
       before.push_back(s.at_small);
@@ -171,7 +173,7 @@ std::vector<BoxCarrier::Flow> BoxCarrier::flows_of(const std::vector<Thing>& thi
                            kLevels,
                            {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kIterations, 0.03},
                            cv::OPTFLOW_USE_INITIAL_FLOW);
-  for (std::size_t i = 0, at = 0; i < things.size(); ++i) {
+  for (std::size_t i = 0, at = 0; i < objects.size(); ++i) {
     std::vector<float> dx, dy, nearer;
     for (; at < ends[i]; ++at) {
       if (found[at] == 0) continue;
@@ -204,27 +206,34 @@ BoxCarrier::Flow BoxCarrier::summary(std::vector<float> dx, std::vector<float> d
   return flow;
 }
 
-std::vector<BoxCarrier::Thing> BoxCarrier::carried(const std::vector<Thing>& things,
-                                                   std::size_t from_picture) const {
-  std::vector<Thing> out = things;
+std::vector<BoxCarrier::Carried> BoxCarrier::carried(const std::vector<Carried>& objects,
+                                                     std::size_t from_picture) const {
+  std::vector<Carried> out = objects;
   for (std::size_t i = from_picture; i + 1 < pictures_.size(); ++i) {
     move(out, pictures_[i], pictures_[i + 1]);
   }
   return out;
 }
 
-bool BoxCarrier::same(const Detection& a, const Detection& b) const {
-  return a.class_name == b.class_name &&
-         intersection_over_union(a.box, b.box) >= static_cast<float>(options_.overlap);
+std::vector<int> BoxCarrier::known_as(const std::vector<Carried>& fresh,
+                                      const std::vector<Carried>& known) const {
+  const auto boxes_of = [](const std::vector<Carried>& objects) {
+    std::vector<Box> boxes;
+    for (const Carried& thing : objects) boxes.push_back(thing.detection.box);
+    return boxes;
+  };
+  return associate(boxes_of(fresh), boxes_of(known), options_.overlap,
+                   [&](std::size_t f, std::size_t k) {
+                     return fresh[f].detection.class_name == known[k].detection.class_name;
+                   });
 }
 
-void BoxCarrier::set_velocities(std::vector<Thing>& fresh, int frames) const {
-  for (Thing& thing : fresh) {
-    const auto before = std::find_if(last_result_.begin(), last_result_.end(), [&](const Thing& t) {
-      return same(t.detection, thing.detection);
-    });
-    if (before == last_result_.end()) continue;
-    const Box& a = before->detection.box;
+void BoxCarrier::set_velocities(std::vector<Carried>& fresh, int frames) const {
+  const std::vector<int> before = known_as(fresh, last_result_);
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    if (before[i] < 0) continue;
+    Carried& thing = fresh[i];
+    const Box& a = last_result_[static_cast<std::size_t>(before[i])].detection.box;
     const Box& b = thing.detection.box;
     thing.dx_px = (b.x0 + b.x1 - a.x0 - a.x1) / 2 / static_cast<float>(frames);
     thing.dy_px = (b.y0 + b.y1 - a.y0 - a.y1) / 2 / static_cast<float>(frames);
@@ -232,36 +241,35 @@ void BoxCarrier::set_velocities(std::vector<Thing>& fresh, int frames) const {
 }
 
 void BoxCarrier::take(std::int64_t frame_index, const Detections& found) {
-  std::vector<Thing> fresh = received(frame_index, found);
+  std::vector<Carried> fresh = received(frame_index, found);
   while (pictures_.size() > 1 && pictures_[1].index <= frame_index) {
     pictures_.erase(pictures_.begin());
   }
   fresh = carried(fresh, 0);
-  std::vector<bool> again(things_.size(), false);
-  for (Thing& thing : fresh) {
-    for (std::size_t i = 0; i < things_.size(); ++i) {
-      if (again[i] || !same(things_[i].detection, thing.detection)) continue;
-      again[i] = true;
-      thing.seen = things_[i].seen + 1;
-      break;
-    }
+  std::vector<bool> again(objects_.size(), false);
+  const std::vector<int> before = known_as(fresh, objects_);
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    if (before[i] < 0) continue;
+    const auto known = static_cast<std::size_t>(before[i]);
+    again[known] = true;
+    fresh[i].seen = objects_[known].seen + 1;
   }
-  for (std::size_t i = 0; i < things_.size(); ++i) {
-    Thing& missing = things_[i];
-    if (again[i] || missing.detection.class_name != "person" || missing.seen < options_.seen ||
-        ++missing.missed > options_.missed) {
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    Carried& missing = objects_[i];
+    if (again[i] || !catalogue_.is_person(missing.detection.class_name) ||
+        missing.seen < options_.seen || ++missing.missed > options_.missed) {
       continue;
     }
     fresh.push_back(missing);
   }
-  things_ = std::move(fresh);
+  objects_ = std::move(fresh);
 }
 
-std::vector<BoxCarrier::Thing> BoxCarrier::received(std::int64_t frame_index,
-                                                    const Detections& found) {
-  std::vector<Thing> fresh;
+std::vector<BoxCarrier::Carried> BoxCarrier::received(std::int64_t frame_index,
+                                                      const Detections& found) {
+  std::vector<Carried> fresh;
   for (const Detection& d : found) {
-    Thing thing;
+    Carried thing;
     thing.detection = d;
     fresh.push_back(std::move(thing));
   }
@@ -275,7 +283,7 @@ std::vector<BoxCarrier::Thing> BoxCarrier::received(std::int64_t frame_index,
 
 Detections BoxCarrier::now() const {
   Detections out;
-  for (const Thing& thing : things_) out.push_back(thing.detection);
+  for (const Carried& thing : objects_) out.push_back(thing.detection);
   if (pictures_.empty()) return sorted_by_score(std::move(out));
   return sorted_by_score(
       clipped(std::move(out), pictures_.back().width_px, pictures_.back().height_px));
