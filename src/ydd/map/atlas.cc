@@ -17,9 +17,7 @@ auto observation_by(const MapPoint& point, KeyFrameId keyframe) {
 }  // namespace
 
 Atlas::Atlas(const Camera& camera, const PyramidScales& scales)
-    : camera_(camera),
-      scales_(scales),
-      culled_(std::make_shared<const std::map<KeyFrameId, CulledKeyFrame>>()) {}
+    : camera_(camera), scales_(scales) {}
 
 Atlas::Atlas(const Atlas& other, Table<KeyFrame, KeyFrameTag> keyframes,
              Table<MapPoint, MapPointTag> points)
@@ -177,18 +175,18 @@ std::optional<SE3> Atlas::T_world_keyframe(KeyFrameId id) const {
     if (const KeyFrame* keyframe = keyframes_.find(id)) {
       return keyframe->T_world_camera * T_ancestor_keyframe;
     }
-    const auto culled = culled_->find(id);
-    if (culled == culled_->end()) return std::nullopt;
-    T_ancestor_keyframe = culled->second.T_parent_keyframe * T_ancestor_keyframe;
-    id = culled->second.parent;
+    const CulledKeyFrame* culled = culled_.find(id);
+    if (!culled) return std::nullopt;
+    T_ancestor_keyframe = culled->T_parent_keyframe * T_ancestor_keyframe;
+    id = culled->parent;
   }
 }
 
 KeyFrameId Atlas::nearest_kept(KeyFrameId id) const {
   while (!keyframes_.contains(id)) {
-    const auto culled = culled_->find(id);
-    if (culled == culled_->end()) return {};
-    id = culled->second.parent;
+    const CulledKeyFrame* culled = culled_.find(id);
+    if (!culled) return {};
+    id = culled->parent;
   }
   return id;
 }
@@ -196,9 +194,9 @@ KeyFrameId Atlas::nearest_kept(KeyFrameId id) const {
 MapId Atlas::map_of(KeyFrameId id) const {
   for (;;) {
     if (const KeyFrame* keyframe = keyframes_.find(id)) return keyframe->map;
-    const auto culled = culled_->find(id);
-    if (culled == culled_->end()) return {};
-    id = culled->second.parent;
+    const CulledKeyFrame* culled = culled_.find(id);
+    if (!culled) return {};
+    id = culled->parent;
   }
 }
 

@@ -12,6 +12,7 @@
 #include "ydd/base/result.h"
 #include "ydd/base/table.h"
 #include "ydd/geometry/camera.h"
+#include "ydd/map/culled_keyframes.h"
 #include "ydd/map/map_types.h"
 
 namespace ydd {
@@ -106,7 +107,7 @@ class Atlas {
   /// The map that a keyframe belongs to, also of a culled one. Empty for an id that never was.
   MapId map_of(KeyFrameId id) const;
 
-  const std::map<KeyFrameId, CulledKeyFrame>& culled() const { return *culled_; }
+  const CulledKeyFrames& culled() const { return culled_; }
   /// What the next keyframe will be numbered.
   std::int64_t next_serial() const { return next_serial_; }
   /// How many maps have been named.
@@ -139,7 +140,7 @@ class Atlas {
   PyramidScales scales_;
   Table<KeyFrame, KeyFrameTag> keyframes_;
   Table<MapPoint, MapPointTag> points_;
-  std::shared_ptr<const std::map<KeyFrameId, CulledKeyFrame>> culled_;
+  CulledKeyFrames culled_;
   std::uint64_t revision_ = 0;
   KeyFrameId newest_;
   std::int64_t next_serial_ = 0;

@@ -61,17 +61,19 @@ std::string fault_of_points(const Atlas& atlas) {
 
 /// Chains of culled keyframes must end in a kept one.
 std::string fault_of_culled(const Atlas& atlas) {
-  for (const auto& [id, culled] : atlas.culled()) {
+  std::string fault;
+  atlas.culled().for_each([&](KeyFrameId id, const CulledKeyFrame&) {
     KeyFrameId above = id;
-    for (std::size_t steps = 0; !atlas.find(above); ++steps) {
-      const auto next = atlas.culled().find(above);
-      if (next == atlas.culled().end() || steps > atlas.culled().size()) {
-        return fmt::format("culled keyframe {}: hangs on nothing", id.slot);
+    for (std::size_t steps = 0; fault.empty() && !atlas.find(above); ++steps) {
+      const CulledKeyFrame* next = atlas.culled().find(above);
+      if (!next || steps > atlas.culled().size()) {
+        fault = fmt::format("culled keyframe {}: hangs on nothing", id.slot);
+      } else {
+        above = next->parent;
       }
-      above = next->second.parent;
     }
-  }
-  return {};
+  });
+  return fault;
 }
 
 std::string first_fault(const Atlas& atlas) {
@@ -113,8 +115,7 @@ Result<Atlas> Atlas::restore(AtlasParts parts) {
   Atlas atlas(parts.camera, parts.scales);
   atlas.keyframes_ = std::move(*keyframes);
   atlas.points_ = std::move(*points);
-  atlas.culled_ =
-      std::make_shared<const std::map<KeyFrameId, CulledKeyFrame>>(std::move(parts.culled));
+  atlas.culled_ = CulledKeyFrames(parts.culled);
   atlas.revision_ = parts.revision;
   atlas.newest_ = parts.newest;
   atlas.next_serial_ = parts.next_serial;

@@ -133,10 +133,8 @@ void Atlas::cull_keyframe(KeyFrameId id) {
   drop_connections(id);
   adopt_children(id);
   const KeyFrame& keyframe = at(id);
-  auto culled = std::make_shared<std::map<KeyFrameId, CulledKeyFrame>>(*culled_);
-  (*culled)[id] = {keyframe.parent,
-                   at(keyframe.parent).T_world_camera.inverse() * keyframe.T_world_camera};
-  culled_ = std::move(culled);
+  culled_.add(id, {keyframe.parent,
+                   at(keyframe.parent).T_world_camera.inverse() * keyframe.T_world_camera});
   keyframes_.erase(id);
   if (id == newest_) newest_ = youngest();
 }

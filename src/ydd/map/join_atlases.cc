@@ -51,9 +51,9 @@ void append(AtlasParts& parts, const Atlas& atlas, const Rename& shift) {
       [&](MapPointId id, const MapPoint& p) { parts.points.emplace_back(shift(id), shift(p)); });
   for (const KeyFrameId id : atlas.keyframes().freed()) parts.freed_keyframes.push_back(shift(id));
   for (const MapPointId id : atlas.points().freed()) parts.freed_points.push_back(shift(id));
-  for (const auto& [id, culled] : atlas.culled()) {
+  atlas.culled().for_each([&](KeyFrameId id, const CulledKeyFrame& culled) {
     parts.culled[shift(id)] = {shift(culled.parent), culled.T_parent_keyframe};
-  }
+  });
 }
 
 }  // namespace

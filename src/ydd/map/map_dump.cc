@@ -67,11 +67,11 @@ std::string dump_map(const Atlas& atlas) {
                      sum_of(k.picture->depth_png));
     }
   });
-  for (const auto& [id, culled] : atlas.culled()) {
+  atlas.culled().for_each([&](KeyFrameId id, const CulledKeyFrame& culled) {
     fmt::format_to(out, "culled {}.{} parent {}.{} pose sum {:x}\n", id.slot, id.generation,
                    culled.parent.slot, culled.parent.generation,
                    sum_of(bytes_of(culled.T_parent_keyframe)));
-  }
+  });
   atlas.points().for_each([&](MapPointId id, const MapPoint& p) {
     fmt::format_to(out, "point {}.{} at {:a} {:a} {:a} descriptor {:x} {:x} {:x} {:x}\n", id.slot,
                    id.generation, p.p_world.x(), p.p_world.y(), p.p_world.z(), p.descriptor[0],

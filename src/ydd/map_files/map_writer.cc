@@ -132,12 +132,12 @@ void put_points(RowSink& sink, const Atlas& atlas) {
 }
 
 void put_culled(RowSink& sink, const Atlas& atlas) {
-  for (const auto& [id, culled] : atlas.culled()) {
+  atlas.culled().for_each([&](KeyFrameId id, const CulledKeyFrame& culled) {
     const std::uint64_t key = static_cast<std::uint64_t>(id.generation) << 32U | id.slot;
     sink.put(map_format::kCulled, {whole(key),
                                    {whole(culled.parent.slot), whole(culled.parent.generation),
                                     map_format::encode_pose(culled.T_parent_keyframe)}});
-  }
+  });
 }
 
 /// Always written: it changes whenever anything does.

@@ -20,7 +20,6 @@ PoseFromMatches pose_from_matches(const Camera& camera, const PyramidScales& sca
       optimize_pose(camera, T_camera_world_initial, observations, options);
   PoseFromMatches out;
   out.T_camera_world = solved.T_camera_world;
-  out.information = solved.information;
   out.inliers.reserve(matches.size());
   for (std::size_t i = 0; i < matches.size(); ++i) {
     if (solved.inlier[i] != 0) out.inliers.push_back(matches[i]);

@@ -11,7 +11,6 @@ namespace ydd {
 struct PoseFromMatches {
   SE3 T_camera_world;
   std::vector<PointMatch> inliers;
-  Matrix6d information = Matrix6d::Zero();
 };
 PoseFromMatches pose_from_matches(const Camera& camera, const PyramidScales& scales,
                                   const Features& features, const SE3& T_camera_world_initial,

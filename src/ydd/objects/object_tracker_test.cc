@@ -13,7 +13,8 @@ using testing::SizeIs;
 
 Box box_at(float x) { return {x, 100, x + 100, 300}; }
 
-void update(ObjectTracker& tracker, const std::vector<Box>& boxes, const TrackOptions& options = {}) {
+void update(ObjectTracker& tracker, const std::vector<Box>& boxes,
+            const TrackOptions& options = {}) {
   tracker.update(boxes, 640, 480, options);
 }
 

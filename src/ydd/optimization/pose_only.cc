@@ -154,7 +154,7 @@ struct Sums {
   }
 };
 
-struct Judgement {
+struct Verdict {
   int inliers = 0;
   bool changed = false;  ///< any observation joined or left
 };
@@ -175,7 +175,7 @@ class Evaluator {
   }
 
   /// Sets `active` to whether the point is in front and chi-square passes `gates` times the gate.
-  Judgement judge(std::vector<Block>& blocks, const SE3& T_camera_world, double gates = 1.0) const {
+  Verdict judge(std::vector<Block>& blocks, const SE3& T_camera_world, double gates = 1.0) const {
     const PoseRows pose(T_camera_world);
     Lanes count = 0.0;
     Lanes changes = 0.0;
@@ -326,17 +326,30 @@ PoseOnlyResult optimize_pose(const Camera& camera, const SE3& T_camera_world,
         robust ? minimise<true>(evaluator, blocks, T, options.iterations_per_round)
                : minimise<false>(evaluator, blocks, T, options.iterations_per_round);
     T = minimum.T_camera_world;
-    const Judgement judgement = evaluator.judge(blocks, T);
-    inliers = judgement.inliers;
+    const Verdict verdict = evaluator.judge(blocks, T);
+    inliers = verdict.inliers;
     if (inliers < kFewest) return none;
-    if (!robust && minimum.settled && !judgement.changed) break;  // the next round would not move
+    if (!robust && minimum.settled && !verdict.changed) break;  // the next round would not move
   }
   PoseOnlyResult result;
   result.T_camera_world = T;
   result.inlier = flags_of(blocks, observations.size());
   result.inliers = inliers;
-  result.information = evaluator.linearise<false>(blocks, T).hessian;
   return result;
+}
+
+Matrix6d pose_information(const Camera& camera, const SE3& T_camera_world,
+                          std::span<const PoseObservation> observations,
+                          std::span<const std::uint8_t> inlier) {
+  std::vector<PoseObservation> used;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (inlier[i] != 0) used.push_back(observations[i]);
+  }
+  constexpr double kAnyDistance = 1e100;
+  const Evaluator evaluator(camera, PoseOnlyOptions());
+  std::vector<Block> blocks = pack(used);
+  evaluator.judge(blocks, T_camera_world, kAnyDistance);
+  return evaluator.linearise<false>(blocks, T_camera_world).hessian;
 }
 
 }  // namespace ydd

@@ -30,9 +30,6 @@ struct PoseOnlyResult {
   SE3 T_camera_world;
   std::vector<std::uint8_t> inlier;  ///< one per observation
   int inliers = 0;
-  /// Gauss-Newton Hessian at the solution (inliers, no robust weights): the information of the pose
-  /// for a left perturbation exp(twist) * T_camera_world, twist = (translation, rotation).
-  Matrix6d information = Matrix6d::Zero();
 };
 
 /// The camera pose that best explains the observations, robustly, by Levenberg-Marquardt with
@@ -46,5 +43,11 @@ struct PoseOnlyResult {
 PoseOnlyResult optimize_pose(const Camera& camera, const SE3& T_camera_world,
                              std::span<const PoseObservation> observations,
                              const PoseOnlyOptions& options);
+
+/// Gauss-Newton Hessian at a pose (inliers, no robust weights): its information for a left
+/// perturbation exp(twist) * T_camera_world, twist = (translation, rotation).
+Matrix6d pose_information(const Camera& camera, const SE3& T_camera_world,
+                          std::span<const PoseObservation> observations,
+                          std::span<const std::uint8_t> inlier);
 
 }  // namespace ydd

@@ -219,7 +219,7 @@ std::optional<PoseFromMatches> Tracker::pose_by_relocalization(const TrackedFram
                                 options_.pose, options_.match);
   }
   if (!found) return std::nullopt;
-  return PoseFromMatches{found->T_camera_world, found->inliers, Matrix6d::Zero()};
+  return PoseFromMatches{found->T_camera_world, found->inliers};
 }
 
 bool Tracker::track_local_map(const Atlas& atlas, TrackedFrame& frame, TrackResult& result) {
