@@ -11,9 +11,9 @@
 namespace ydd {
 
 /// The keyframes that a map no longer keeps. They only ever grow in number, a snapshot of them is
-/// taken with each of the map, and a long walk culls most of what it creates: a copy costs a pointer
-/// for each 64 slots, and adding one copies what its 64 slots hold.
-/// Thread: a copy may be read from any thread.
+/// taken with each of the map, and a long walk culls most of what it creates: a copy costs a
+/// pointer for each 64 slots, and adding one copies what its 64 slots hold. Thread: a copy may be
+/// read from any thread.
 class CulledKeyFrames {
  public:
   CulledKeyFrames() = default;
