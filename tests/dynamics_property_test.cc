@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "ydd/dynamics/judge.h"
-#include "ydd/dynamics/point_quality.h"
 #include "ydd/features/orb_extractor.h"
 #include "ydd/simulation/simulator.h"
+#include "ydd/studies/point_quality.h"
 
 namespace ydd {
 namespace {

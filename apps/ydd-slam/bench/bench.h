@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "ydd/base/result.h"
-#include "ydd/dynamics/dynamics_options.h"
-#include "ydd/dynamics/point_quality.h"
+#include "ydd/studies/point_decisions.h"
 
 namespace ydd::app {
 
@@ -46,16 +45,10 @@ Result<std::string> bench_ablation(const BenchRequest& request,
 Result<std::string> bench_dynamics(const BenchRequest& request,
                                    const std::filesystem::path& scratch);
 
-/// Point decisions over a sequence.
-struct VariantResult {
-  PointQuality quality;
-  std::vector<double> judge_ms, extract_ms;
-};
-
 /// Judges the points of a sequence that has a folder `mask`. With a latency above 0 the boxes come
 /// from a detector that needs so many frames, and are carried on meanwhile.
-Result<VariantResult> judge_sequence(const BenchCase& bench_case, Variant variant,
-                                     const std::vector<std::string>& set, int latency_frames);
+Result<PointDecisions> judge_sequence(const BenchCase& bench_case, Variant variant,
+                                      const std::vector<std::string>& set, int latency_frames);
 
 /// ATE of a sequence against its ground truth, in metres, per run that could be scored.
 Result<std::vector<double>> ate_of_runs(const BenchCase& bench_case, const BenchRequest& request,

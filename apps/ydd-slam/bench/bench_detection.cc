@@ -34,7 +34,7 @@ Result<Row> measure(const BenchCase& bench_case, const BenchRequest& request, in
   if (!ate) return ate.error();
   row.ate_m = std::move(*ate);
   if (!fs::is_directory(bench_case.folder / "mask")) return row;
-  const Result<VariantResult> judged =
+  const Result<PointDecisions> judged =
       judge_sequence(bench_case, Variant::full, request.set, latency);
   if (!judged) return judged.error();
   row.points = judged->quality;

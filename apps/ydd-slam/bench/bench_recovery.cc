@@ -1,151 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <numbers>
-#include <optional>
-
 #include <fmt/format.h>
 
 #include "bench/bench_seeds.h"
 #include "ydd/base/log.h"
-#include "ydd/simulation/random.h"
+#include "ydd/studies/accidents.h"
 
 namespace ydd::app {
-namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kWrong_m = 0.10;  // farther off than this is not found again
-
-/// Something that goes wrong on a walk.
-struct Accident {
-  const char* name;
-  double from_s, until_s;  ///< when nothing of the known map can be seen
-  double length_s;
-  CameraPath (*path)(const CameraPath& walk);
-  FrameEdit (*edit)(double fps, double from_s, double until_s);
-};
-
-CameraPath as_walked(const CameraPath& walk) { return walk; }
-FrameEdit as_seen(double, double, double) { return {}; }
-
-/// Stops where it is until the way is free.
-CameraPath waits(const CameraPath& walk) {
-  return [walk](double t) { return walk(std::min(t, 6.0) + std::max(t - 8.8, 0.0)); };
-}
-
-/// Eight seconds on, then carried back to where it was three seconds after the start.
-CameraPath to_seen_place(const CameraPath& walk) {
-  return [walk](double t) { return walk(t < 8.0 ? t : t - 5.0); };
-}
-
-/// Carried a third of a round ahead, from where it walks on until it meets its own track.
-CameraPath to_unseen_place(const CameraPath& walk) {
-  return [walk](double t) { return walk(t < 5.0 ? t : t + 6.0); };
-}
-
-/// Turns round within half a second, looks the other way for one, and turns back.
-CameraPath turned_away(const CameraPath& walk) {
-  return [walk](double t) {
-    const double turned =
-        std::clamp((t - 6.0) / 0.5, 0.0, 1.0) * std::clamp((8.0 - t) / 0.5, 0.0, 1.0);
-    const Eigen::Vector3d turn(0.0, 0.9 * std::numbers::pi * turned, 0.0);
-    return walk(std::min(t, 6.0) + std::max(t - 8.0, 0.0)) * SE3(so3_exp(turn), {0, 0, 0});
-  };
-}
-
-bool within(const SimulatedFrame& frame, double fps, double from_s, double until_s) {
-  const double time_s = static_cast<double>(frame.frame.index) / fps;
-  return time_s >= from_s && time_s < until_s;
-}
-
-/// A black picture without depth.
-FrameEdit covered(double fps, double from_s, double until_s) {
-  return [=](SimulatedFrame& frame) {
-    if (!within(frame, fps, from_s, until_s)) return;
-    const int w = frame.frame.grey.width(), h = frame.frame.grey.height();
-    const auto n = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
-    frame.frame.grey = GreyImage(w, h, std::vector<std::uint8_t>(n, 8));
-    frame.frame.colour = ColourImage(w, h, std::vector<Bgr>(n, Bgr{8, 8, 8}));
-    frame.frame.depth_m = DepthImage(w, h, std::vector<float>(n, 0.0F));
-    frame.objects.clear();
-  };
-}
-
-/// A person so close that there is nothing else: a picture rich in corners that moves as a whole,
-/// with the box that a detector gives.
-FrameEdit crowded(double fps, double from_s, double until_s) {
-  return [=](SimulatedFrame& frame) {
-    if (!within(frame, fps, from_s, until_s)) return;
-    const int w = frame.frame.grey.width(), h = frame.frame.grey.height();
-    std::vector<std::uint8_t> grey;
-    std::vector<Bgr> colour;
-    const int shift = static_cast<int>(frame.frame.index) * 7;
-    for (int y = 0; y < h; ++y) {
-      for (int x = 0; x < w; ++x) {
-        const auto cell =
-            static_cast<std::uint64_t>((x + shift) / 9) * 4099U + static_cast<std::uint64_t>(y / 9);
-        const auto value =
-            static_cast<std::uint8_t>(40 + 170 * sim::unit_float(sim::mix_bits(cell)));
-        grey.push_back(value);
-        colour.push_back({value, value, value});
-      }
-    }
-    frame.frame.grey = GreyImage(w, h, std::move(grey));
-    frame.frame.colour = ColourImage(w, h, std::move(colour));
-    frame.frame.depth_m = DepthImage(
-        w, h, std::vector<float>(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0.9F));
-    SimulatedObject person;
-    person.class_name = "person";
-    person.box = {0.0F, 0.0F, static_cast<float>(w), static_cast<float>(h)};
-    frame.objects = {person};
-  };
-}
-
-const Accident kAccidents[] = {
-    {"lens covered for 1 s", 6.0, 7.0, 10.0, &as_walked, &covered},
-    {"stops before people who hide everything for 2 s", 6.0, 8.0, 10.0, &waits, &crowded},
-    {"turned away for 2 s and back", 6.0, 8.0, 10.0, &turned_away, &as_seen},
-    {"kidnapped to a place already seen", 8.0, 8.0, 11.0, &to_seen_place, &as_seen},
-    {"kidnapped to an unseen place, walks on to a seen one", 5.0, 5.0, 22.0, &to_unseen_place,
-     &as_seen},
-};
-
-/// How one accident ended.
-struct Outcome {
-  std::optional<int> frames;  ///< until tracked again at the right place
-  bool wrong = false;         ///< a false loop, or at a wrong place in the end
-  bool merged = false;
-  double ate_m = 0;
-};
-
-double error_m(const SimulatedRun& run, std::size_t i) {
-  const SE3 T_true_world =
-      run.steps.front().T_true_camera * run.steps.front().T_world_camera.inverse();
-  return (T_true_world.translation() +
-          T_true_world.rotation() * run.steps[i].T_world_camera.translation() -
-          run.steps[i].T_true_camera.translation())
-      .norm();
-}
-
-Outcome judge(const SimulatedRun& run, const Accident& accident, double fps) {
-  Outcome out;
-  out.ate_m = run.ate_m();
-  for (const CheckedLoop& loop : run.loops) {
-    if (loop.report.merged && !loop.is_false()) out.merged = true;
-    if (loop.is_false()) out.wrong = true;
-  }
-  const auto end = static_cast<std::size_t>(std::lround(accident.until_s * fps));
-  for (std::size_t i = end; i < run.steps.size(); ++i) {
-    if (run.steps[i].state != TrackingState::tracking || error_m(run, i) > kWrong_m) continue;
-    out.frames = static_cast<int>(i - end);
-    break;
-  }
-  const std::size_t last = run.steps.size() - 1;
-  if (out.frames && error_m(run, last) > 3.0 * kWrong_m) out.wrong = true;
-  return out;
-}
-
-}  // namespace
 
 Result<std::string> bench_recovery(const SeedRequest& request) {
   Result<SystemOptions> options = system_options(request.set);
@@ -155,20 +17,17 @@ Result<std::string> bench_recovery(const SeedRequest& request) {
       "| accident | runs | found again | frames until then, median (worst) | false places | maps "
       "merged | ATE m, median (worst) |\n| --- | --- | --- | --- | --- | --- | --- |\n";
   Json json = Json::array();
-  for (const Accident& accident : kAccidents) {
+  for (const Accident& accident : accidents()) {
     if (!is_wanted(request, accident.name)) continue;
     int found = 0, wrong = 0, merged = 0;
     std::vector<double> frames, ate_m;
     for (int i = 0; i < request.seeds; ++i) {
-      WorldOptions world = walk_world(request, request.first_seed + i);
-      const CameraPath walk = make_camera_path(world).T_world_camera;
-      world.frames = static_cast<int>(accident.length_s * request.fps);
-      const Result<SimulatedRun> run =
-          run_simulated(Simulator(world, accident.path(walk)), *options,
-                        accident.edit(request.fps, accident.from_s, accident.until_s));
-      if (!run) return run.error();
-      const Outcome outcome = judge(*run, accident, request.fps);
-      log::info("{}, seed {}: {}", accident.name, world.seed,
+      const int seed = request.first_seed + i;
+      const Result<AccidentOutcome> suffered =
+          suffer(accident, walk_world(request, seed), *options);
+      if (!suffered) return suffered.error();
+      const AccidentOutcome& outcome = *suffered;
+      log::info("{}, seed {}: {}", accident.name, seed,
                 outcome.frames ? fmt::format("found after {} frames", *outcome.frames)
                                : std::string("not found"));
       found += outcome.frames ? 1 : 0;

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bench/simulated_run.h"
+#include "ydd/studies/simulated_run.h"
 
 namespace ydd::app {
 

@@ -8,7 +8,7 @@
 #include "ydd/simulation/simulator.h"
 #include "ydd/system/slam_system.h"
 
-namespace ydd::app {
+namespace ydd {
 
 /// What became of one simulated frame.
 struct SimulatedStep {
@@ -63,4 +63,4 @@ class FrameStore {
 /// Options of the system with `assignments` ("key=value") set.
 Result<SystemOptions> system_options(const std::vector<std::string>& assignments);
 
-}  // namespace ydd::app
+}  // namespace ydd

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ydd/dynamics/point_quality.h"
+#include "ydd/studies/point_quality.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/simulated_run.h"
+#include "ydd/studies/simulated_run.h"
 
 #include <algorithm>
 
 #include "ydd/evaluation/ate.h"
 
-namespace ydd::app {
+namespace ydd {
 namespace {
 
 /// Answers with the boxes that the caller laid out for the frame that it processes next.
@@ -107,4 +107,4 @@ Result<SystemOptions> system_options(const std::vector<std::string>& assignments
   return options;
 }
 
-}  // namespace ydd::app
+}  // namespace ydd
