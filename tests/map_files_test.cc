@@ -307,8 +307,8 @@ int kills() {
 TEST(Maps, SurviveBeingKilledAtAnyMoment) {
   const TemporaryFolder folder;
   const std::string map = folder / "room.map";
-  const Arguments arguments = {"run",        room(), "--out", folder / "a",        "--quiet",
-                               "--save-map", map,    "--set", "map.autosave=0.001"};
+  const Arguments arguments = {"run",        room(), "--out", folder / "a",          "--quiet",
+                               "--save-map", map,    "--set", "map.autosave_s=0.001"};
   const auto start = std::chrono::steady_clock::now();
   ASSERT_EQ(ydd_slam(arguments).exit_code, 0);
   const auto whole = std::chrono::steady_clock::now() - start;

@@ -163,7 +163,7 @@ TEST(Run, ItsConfigurationCanBeFedBack) {
   std::ofstream(camera) << text.replace(text.find(simulated), simulated.size(), "baseline: 0.12");
   run(few_frames(), folder / "a",
       {"--deterministic", "--camera", camera, "--set", "orb.levels=6", "--set",
-       "tracking.motion_radius=20", "--dynamic", "box"});
+       "tracking.motion_radius_px=20", "--dynamic", "box"});
   run(few_frames(), folder / "b", {"--config", folder / "a/config.yaml"});
   EXPECT_EQ(text_of(folder / "a/config.yaml"), text_of(folder / "b/config.yaml"));
   EXPECT_EQ(text_of(folder / "a/trajectory.tum"), text_of(folder / "b/trajectory.tum"));

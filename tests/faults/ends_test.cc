@@ -78,7 +78,7 @@ TEST(Kill, AtAnyMomentLeavesAMapThatCanBeGoneOnWith) {
     const double wait_s = std::uniform_real_distribution<double>(0.0, 2.2)(random);
     SCOPED_TRACE(fmt::format("round {}: after {:.3f} s", i, wait_s));
     run_and(fmt::format("sleep {:.3f}; kill -KILL $p 2>/dev/null", wait_s), folder.path(),
-            "--map o.map --save-map o.map --set map.autosave=0.001");
+            "--map o.map --save-map o.map --set map.autosave_s=0.001");
     expect_good_map(folder / "o.map");
   }
   // A killed program cannot tidy up; the next one goes on all the same.

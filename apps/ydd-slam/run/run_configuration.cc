@@ -45,7 +45,7 @@ Result<Configuration> effective_configuration(const RunRequest& request) {
   }
   if (request.max_difference_s) {
     const std::string value = fmt::format("{}", *request.max_difference_s);
-    if (auto r = table.set("sequence.max_difference", value, "--max-difference"); !r) {
+    if (auto r = table.set("sequence.max_difference_s", value, "--max-difference"); !r) {
       return r.error();
     }
   }

@@ -130,7 +130,7 @@ std::size_t edits_between(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// "; did you mean 'orb.levels'?" when one option is near: three slips, or another group.
+/// "; did you mean 'orb.levels'?" when one option is near: three slips, another group, no unit.
 std::string suggestion(const std::vector<Option>& options, std::string_view key) {
   constexpr std::size_t kLongest = 80;
   constexpr std::size_t kMostEdits = 3;
@@ -140,7 +140,8 @@ std::string suggestion(const std::vector<Option>& options, std::string_view key)
   for (const Option& option : options) {
     const std::string_view known = option.key;
     const std::string tail = "." + std::string(key);
-    const std::size_t edits = known.ends_with(tail) ? 1 : edits_between(key, known);
+    const bool lacks_unit = known.starts_with(std::string(key) + "_");
+    const std::size_t edits = known.ends_with(tail) || lacks_unit ? 1 : edits_between(key, known);
     if (edits >= fewest || edits >= key.size()) continue;
     fewest = edits;
     best = known;

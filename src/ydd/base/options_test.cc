@@ -194,5 +194,47 @@ TEST_F(Options, DefaultsAreInsideTheirRanges) {
   }
 }
 
+enum class Lens { pinhole, fisheye };
+constexpr std::array<std::string_view, 2> choices_of(Lens) { return {"pinhole", "fish-eye"}; }
+
+/// Options as most structures have them: an enumeration, and a number with a unit.
+struct LensOptions {
+  Lens lens = Lens::fisheye;
+  double reach_m = 2;
+  void describe(OptionTable& t) {
+    t.add("lens", lens, "kind of lens");
+    t.add("reach_m", reach_m, {0, 10}, "m", "how far");
+  }
+};
+
+TEST(ChoiceOption, IsReadWrittenAndRefusedByName) {
+  LensOptions options;
+  OptionTable table;
+  options.describe(table);
+  EXPECT_EQ(format_value(table.options()[0]), "fish-eye");
+  ASSERT_TRUE(table.set("lens", "pinhole", "--set").ok());
+  EXPECT_EQ(options.lens, Lens::pinhole);
+  const auto refused = table.set("lens", "fisheye", "--set");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().message, HasSubstr("must be one of pinhole, fish-eye"));
+  EXPECT_EQ(options.lens, Lens::pinhole);
+  EXPECT_THAT(table.to_yaml(), HasSubstr("lens: pinhole  # kind of lens (pinhole | fish-eye)"));
+}
+
+TEST(ChoiceOption, NamesGoBothWays) {
+  EXPECT_EQ(to_string(Lens::fisheye), "fish-eye");
+  EXPECT_EQ(parse_choice<Lens>("fish-eye"), Lens::fisheye);
+  EXPECT_FALSE(parse_choice<Lens>("fisheye").has_value());
+}
+
+TEST(OptionTable, AKeyThatLacksItsUnitIsSuggested) {
+  LensOptions options;
+  OptionTable table;
+  options.describe(table);
+  const auto refused = table.set("reach", "1", "--set");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().message, HasSubstr("did you mean 'reach_m'?"));
+}
+
 }  // namespace
 }  // namespace ydd

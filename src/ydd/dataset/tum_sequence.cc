@@ -145,7 +145,7 @@ Error size_error(const fs::path& file, std::size_t frame, int width, int height,
 }  // namespace
 
 void SequenceOptions::describe(OptionTable& table) {
-  table.add("max_difference", max_difference_s, {1e-6, 10.0}, "s",
+  table.add("max_difference_s", max_difference_s, {1e-6, 10.0}, "s",
             "a colour and a depth image farther apart in time are no pair");
   table.add("associations", associations, {},
             "file with 'time colour time depth' lines to use instead of pairing by time");

@@ -46,7 +46,8 @@ bool is_redundant(const Atlas& atlas, KeyFrameId id, const CullOptions& options)
 void CullOptions::describe(OptionTable& t) {
   t.add("min_found_ratio", min_found_ratio, {0.0, 1.0}, "",
         "share of the frames that should see a new point and find it");
-  t.add("probation", probation_keyframes, {0, 100}, "keyframes", "how long a new point is watched");
+  t.add("probation_keyframes", probation_keyframes, {0, 100}, "keyframes",
+        "how long a new point is watched");
   t.add("min_observations", min_observations, {1, 10}, "",
         "keyframes that must see a point by then");
   t.add("redundant_share", redundant_share, {0.1, 1.0}, "",

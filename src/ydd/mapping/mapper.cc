@@ -19,7 +19,8 @@ void MapperOptions::describe(OptionTable& t) {
   t.add("min_depth_points", min_depth_points, {0, 10000}, "",
         "so many points are made from the nearest depth readings in any case");
   t.add("fuse_neighbours", fuse_neighbours, {0, 100}, "", "keyframes whose points are fused");
-  t.add("fuse_radius", fuse_radius_px, {0.5, 50.0}, "px", "search radius for fusing on octave 0");
+  t.add("fuse_radius_px", fuse_radius_px, {0.5, 50.0}, "px",
+        "search radius for fusing on octave 0");
 }
 
 Mapper::Mapper(const Camera& camera, const PyramidScales& scales, const MapperOptions& options)

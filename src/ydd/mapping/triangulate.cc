@@ -129,7 +129,7 @@ std::vector<NewPoint> find_new_points(const Atlas& atlas, const View& v1, const 
 
 void TriangulationOptions::describe(OptionTable& t) {
   t.add("neighbours", neighbours, {0, 100}, "", "keyframes to match with");
-  t.add("min_baseline", min_baseline_m, {0.0, 10.0}, "m", "distance between the two views");
+  t.add("min_baseline_m", min_baseline_m, {0.0, 10.0}, "m", "distance between the two views");
   t.add("min_parallax_cosine", min_parallax_cosine, {0.9, 1.0}, "",
         "rays must differ at least by this cosine");
   t.add("epipolar_chi2", epipolar_chi2, {0.1, 100.0}, "", "squared distance from the line");

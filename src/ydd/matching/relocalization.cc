@@ -60,7 +60,7 @@ void RelocalizationOptions::describe(OptionTable& t) {
   t.add("match_ratio", match_ratio, {0.1, 1.0}, "", "best to second best descriptor distance");
   t.add("min_matches", min_matches, {4, 10000}, "", "descriptor matches needed to try a keyframe");
   t.add("ransac_iterations", ransac_iterations, {1, 100000}, "", "samples drawn at most");
-  t.add("ransac_threshold", ransac_threshold_px, {0.1, 100.0}, "px", "inlier distance");
+  t.add("ransac_threshold_px", ransac_threshold_px, {0.1, 100.0}, "px", "inlier distance");
   t.add("min_inliers", min_inliers, {4, 10000}, "", "points that must agree in the end");
   t.add("rival_share", rival_share, {0.1, 1.0}, "",
         "a second place that reaches this share of the best one's points makes it ambiguous");

@@ -71,7 +71,7 @@ class SlamSystem {
   void set_localization_only(bool on) { tracker_.set_localization_only(on); }
   bool localization_only() const { return tracker_.localization_only(); }
 
-  /// From now on saves the map to `file` every `map.autosave` seconds, from a snapshot and in a
+  /// From now on saves the map to `file` every `map.autosave_s` seconds, from a snapshot and in a
   /// thread of its own. Failure: as MapWriter::open. Later failures are logged.
   Result<void> autosave_to(const std::filesystem::path& file,
                            Replacing replacing = Replacing::lesser);

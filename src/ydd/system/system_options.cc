@@ -6,7 +6,7 @@ namespace ydd {
 void MapOptions::describe(OptionTable& t) {
   t.add("pictures", pictures,
         "keyframes keep a small picture without what moves, for dense clouds: 20 to 60 kB each");
-  t.add("autosave", autosave_s, {0.0, 86400.0}, "s",
+  t.add("autosave_s", autosave_s, {0.0, 86400.0}, "s",
         "time between saves to the file that --save-map names; 0: at the end only");
 }
 
@@ -18,7 +18,7 @@ void SystemOptions::describe(OptionTable& t) {
   t.group("loop", loop);
   t.group("detect", detect);
   t.group("map", map);
-  t.add("close_depth", close_depth_m, {0.1, 100.0}, "m",
+  t.add("close_depth_m", close_depth_m, {0.1, 100.0}, "m",
         "nearer readings become points at once and count when keyframes are compared");
   t.add("deterministic", deterministic, "map in the tracking thread: two runs give equal bytes");
 }

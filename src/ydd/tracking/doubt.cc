@@ -7,11 +7,11 @@ void DoubtOptions::describe(OptionTable& t) {
   t.add("enabled", enabled, "doubt depth that contradicts the map, and motion that no body makes");
   t.add("depth_factor", depth_factor, {1.0, 100.0}, "",
         "depth is doubted when it is so many times farther off the map than usual, ...");
-  t.add("depth_floor", depth_floor_per_m, {0.0, 1.0}, "1/m",
+  t.add("depth_floor_per_m", depth_floor_per_m, {0.0, 1.0}, "1/m",
         "... and farther than this share of the squared distance");
-  t.add("longest", longest_s, {0.0, 3600.0}, "s", "doubt that lasts longer is given up");
-  t.add("max_speed", max_speed_m_s, {0.1, 1000.0}, "m/s", "no camera is carried faster");
-  t.add("max_turn", max_turn_rad_s, {0.1, 1000.0}, "rad/s", "nor turned");
+  t.add("longest_s", longest_s, {0.0, 3600.0}, "s", "doubt that lasts longer is given up");
+  t.add("max_speed_m_s", max_speed_m_s, {0.1, 1000.0}, "m/s", "no camera is carried faster");
+  t.add("max_turn_rad_s", max_turn_rad_s, {0.1, 1000.0}, "rad/s", "nor turned");
 }
 
 bool Doubt::raise(const std::string& reason, Timestamp now) {

@@ -4,7 +4,7 @@
 namespace ydd {
 
 void KeyframePolicyOptions::describe(OptionTable& t) {
-  t.add("max_interval", max_interval_s, {0.0, 60.0}, "s", "a keyframe is considered after this");
+  t.add("max_interval_s", max_interval_s, {0.0, 60.0}, "s", "a keyframe is considered after this");
   t.add("reference_ratio", reference_ratio, {0.0, 1.0}, "",
         "insert below this share of the reference keyframe's points");
   t.add("weak_ratio", weak_ratio, {0.0, 1.0}, "", "insert at once below this share");
@@ -12,7 +12,7 @@ void KeyframePolicyOptions::describe(OptionTable& t) {
         "fewer tracked near points make the map need more");
   t.add("min_close_untracked", min_close_untracked, {0, 10000}, "",
         "if at least so many near points could be added");
-  t.add("max_rotation", max_rotation_rad, {0.0, 3.2}, "rad",
+  t.add("max_rotation_rad", max_rotation_rad, {0.0, 3.2}, "rad",
         "insert when the view has turned more against the reference keyframe");
   t.add("max_translation_share", max_translation_share, {0.0, 100.0}, "",
         "insert when the camera is farther from the reference keyframe, by median depth");

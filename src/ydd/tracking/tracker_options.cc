@@ -24,7 +24,7 @@ void TrackerOptions::describe(OptionTable& t) {
   t.group("relocalization", relocalization);
   t.add("min_initial_points", min_initial_points, {10, 10000}, "",
         "keypoints with depth needed to start a map");
-  t.add("motion_radius", motion_radius_px, {1.0, 200.0}, "px",
+  t.add("motion_radius_px", motion_radius_px, {1.0, 200.0}, "px",
         "search radius around the last frame's points on octave 0");
   t.add("local_radius_factor", local_radius_factor, {0.5, 20.0}, "",
         "widens the search radius around the local map's points");
@@ -37,9 +37,9 @@ void TrackerOptions::describe(OptionTable& t) {
   t.add("max_local_keyframes", max_local_keyframes, {1, 1000}, "", "keyframes in the local map");
   t.add("place_candidates", place_candidates, {0, 100}, "",
         "most similar keyframes that are tried when lost");
-  t.add("new_map_after", new_map_after_s, {0.0, 3600.0}, "s",
+  t.add("new_map_after_s", new_map_after_s, {0.0, 3600.0}, "s",
         "a new map is started when the camera has been lost for so long");
-  t.add("young_map", young_map_keyframes, {0, 1000}, "keyframes",
+  t.add("young_map_keyframes", young_map_keyframes, {0, 1000}, "keyframes",
         "a map of so few that is lost is not waited for: a new one starts at once");
   t.group("doubt", doubt);
 }
