@@ -100,7 +100,7 @@ TEST(KeyframePolicyOptions, AreInTheTable) {
   OptionTable table;
   options.describe(table);
   EXPECT_EQ(table.options().size(), 8U);
-  ASSERT_TRUE(table.set("max_rotation", "0.02", "test"));
+  ASSERT_TRUE(table.set("max_rotation_rad", "0.02", "test"));
   KeyframeSituation s = calm();
   s.rotation_rad = 0.03;
   EXPECT_TRUE(needs_keyframe(s, options));
