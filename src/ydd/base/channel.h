@@ -42,20 +42,6 @@ class Channel {
     return true;
   }
 
-  /// For live input: makes room by dropping the oldest value. Gives how many were dropped.
-  std::size_t push_dropping_oldest(T value) {
-    const std::lock_guard lock(mutex_);
-    if (closed_) return 0;
-    std::size_t dropped = 0;
-    while (queue_.size() >= capacity_) {
-      queue_.pop_front();
-      ++dropped;
-    }
-    queue_.push_back(std::move(value));
-    changed_.notify_all();
-    return dropped;
-  }
-
   /// Waits for a value. Nothing when closed and drained, or stopped.
   std::optional<T> pop(std::stop_token stop = {}) {
     std::unique_lock lock(mutex_);

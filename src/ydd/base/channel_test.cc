@@ -31,15 +31,6 @@ TEST(Channel, RefusesBeyondItsCapacity) {
   EXPECT_EQ(channel.size(), 2U);
 }
 
-TEST(Channel, DropsTheOldestForLiveInput) {
-  Channel<int> channel(2);
-  EXPECT_EQ(channel.push_dropping_oldest(1), 0U);
-  EXPECT_EQ(channel.push_dropping_oldest(2), 0U);
-  EXPECT_EQ(channel.push_dropping_oldest(3), 1U);
-  EXPECT_EQ(channel.pop(), 2);
-  EXPECT_EQ(channel.pop(), 3);
-}
-
 TEST(Channel, ClosedRefusesPushesAndDrains) {
   Channel<int> channel(4);
   EXPECT_TRUE(channel.push(1));
@@ -47,7 +38,6 @@ TEST(Channel, ClosedRefusesPushesAndDrains) {
   channel.close();
   EXPECT_FALSE(channel.push(3));
   EXPECT_FALSE(channel.try_push(3));
-  EXPECT_EQ(channel.push_dropping_oldest(3), 0U);
   EXPECT_EQ(channel.pop(), 1);
   EXPECT_EQ(channel.try_pop(), 2);
   EXPECT_EQ(channel.pop(), std::nullopt);

@@ -47,8 +47,6 @@ bool FileLock::is_named(const std::filesystem::path& file) const {
          mine.st_dev == named.st_dev && mine.st_ino == named.st_ino;
 }
 
-bool FileLock::truncate() const { return ::ftruncate(descriptor_, 0) == 0; }
-
 bool FileLock::flush() const { return ::fsync(descriptor_) == 0; }
 
 bool flush_folder(const std::filesystem::path& folder) {

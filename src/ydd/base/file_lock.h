@@ -23,8 +23,6 @@ class FileLock {
 
   /// Whether that name still leads to this file.
   bool is_named(const std::filesystem::path& file) const;
-  /// Makes the file empty.
-  bool truncate() const;
   /// What was written to the file, by whomever, is on the disk when this returns true.
   bool flush() const;
 

@@ -140,8 +140,6 @@ GlfwWindow::Size GlfwWindow::size() const {
   return size;
 }
 
-void GlfwWindow::set_title(const char* title) const { glfwSetWindowTitle(window_, title); }
-
 void GlfwWindow::begin_frame() const {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();

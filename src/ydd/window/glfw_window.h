@@ -33,7 +33,6 @@ class GlfwWindow {
     int width_px = 0, height_px = 0;
   };
   Size size() const;
-  void set_title(const char* title) const;
 
   void begin_frame() const;
   /// Draws ImGui's panels over what was drawn before.
