@@ -14,7 +14,7 @@ using bundle::Layout;
 using bundle::Loss;
 using bundle::State;
 
-constexpr double kAnyDistance = 1e100;
+constexpr double kNoGate = 1e100;
 
 using Flags = std::vector<std::uint8_t>;
 
@@ -136,7 +136,7 @@ BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
 
   BundleResult result;
   result.initial_cost = bundle::cost_of(k, layout, usable, state, robust);
-  const Flags in_front = bundle::judge(k, layout, state, robust, kAnyDistance);
+  const Flags in_front = bundle::judge(k, layout, state, robust, kNoGate);
   Phase first = minimiser.run(std::move(state), in_front, robust, options.robust_iterations);
   const Flags good = bundle::judge(k, layout, first.state, robust);
   Phase last = minimiser.run(std::move(first.state), good, plain, options.final_iterations);
