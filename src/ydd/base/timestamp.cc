@@ -11,7 +11,6 @@ namespace ydd {
 namespace {
 
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-constexpr std::int64_t kMaxSeconds = 9'000'000'000;
 
 std::optional<std::int64_t> parse_digits(std::string_view digits) {
   std::int64_t value = 0;
@@ -24,7 +23,8 @@ std::optional<Timestamp> parse_scientific(std::string_view text) {
   double value = 0.0;
   const auto [end, ec] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool whole = ec == std::errc() && end == text.data() + text.size();
-  if (!whole || !std::isfinite(value) || std::abs(value) > double(kMaxSeconds)) return std::nullopt;
+  if (!whole || !std::isfinite(value) || std::abs(value) > double(kLatestStamp_s))
+    return std::nullopt;
   return Timestamp{std::llround(value * 1e9)};
 }
 
@@ -42,7 +42,7 @@ std::optional<Timestamp> parse_timestamp(std::string_view text) {
   fraction.resize(9, '0');
   const auto seconds = whole.empty() ? std::optional<std::int64_t>(0) : parse_digits(whole);
   const auto ns = parse_digits(fraction);
-  if (!seconds || !ns || *seconds > kMaxSeconds || (whole.empty() && text.size() < 2)) {
+  if (!seconds || !ns || *seconds > kLatestStamp_s || (whole.empty() && text.size() < 2)) {
     return std::nullopt;
   }
   const std::int64_t total = *seconds * kNsPerSecond + *ns;

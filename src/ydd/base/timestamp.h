@@ -16,6 +16,10 @@ struct Timestamp {
   friend auto operator<=>(const Timestamp&, const Timestamp&) = default;
 };
 
+/// The latest whole second that a stamp from a file may have: some time in the year 2255, which is
+/// as far as 64 bits of nanoseconds reach.
+inline constexpr std::int64_t kLatestStamp_s = 9'000'000'000;
+
 /// `b - a` in seconds.
 inline double seconds_between(Timestamp a, Timestamp b) {
   return static_cast<double>(b.ns - a.ns) * 1e-9;

@@ -200,15 +200,6 @@ std::string in_plain_yaml(std::string text) {
 
 }  // namespace
 
-std::string on_one_line(const std::string& text) {
-  constexpr std::size_t kLongest = 60;
-  std::string out = text.substr(0, kLongest);
-  for (char& c : out) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
-  }
-  return text.size() > kLongest ? out + "..." : out;
-}
-
 std::string yaml_line(const std::string& source, const YAML::Node& node) {
   return fmt::format("{}:{}", source, node.Mark().line + 1);
 }

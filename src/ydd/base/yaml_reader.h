@@ -6,6 +6,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "ydd/base/one_line.h"
 #include "ydd/base/result.h"
 
 namespace ydd {
@@ -34,8 +35,5 @@ Result<void> check_keys_differ(const YAML::Node& node, const std::string& source
 
 /// "source:line" of `node`, for an error.
 std::string yaml_line(const std::string& source, const YAML::Node& node);
-
-/// `text` on one line and not longer than fits there, for an error.
-std::string on_one_line(const std::string& text);
 
 }  // namespace ydd

@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -143,8 +142,8 @@ Result<Timestamp> field_stamp(const std::filesystem::path& file, const TextTable
     const std::int64_t unit_ns = other_unit ? table.unit_ns : 1;
     std::int64_t count = 0;
     const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), count);
-    if (code == std::errc() &&
-        std::abs(count) <= std::numeric_limits<std::int64_t>::max() / unit_ns) {
+    const std::int64_t latest = kLatestStamp_s * (kSecond_ns / unit_ns);
+    if (code == std::errc() && count >= -latest && count <= latest) {
       return Timestamp{count * unit_ns};
     }
   }

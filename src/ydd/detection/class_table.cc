@@ -63,7 +63,8 @@ Result<std::vector<std::string>> parse_class_table(const YAML::Node& root,
                                entry.index, out.size())};
     }
     if (std::find(out.begin(), out.end(), entry.name) != out.end()) {
-      return Error{fmt::format("{}:{}: class '{}' is named twice", file, entry.line, entry.name)};
+      return Error{fmt::format("{}:{}: class '{}' is named twice", file, entry.line,
+                               on_one_line(entry.name))};
     }
     out.push_back(entry.name);
   }

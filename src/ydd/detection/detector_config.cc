@@ -62,7 +62,8 @@ Result<void> set_scalars(OptionTable& table, const std::string& key, const YAML:
                          const std::string& source_file) {
   const std::string source = yaml_line(source_file, node);
   if (node.IsScalar()) return table.set(key, node.Scalar(), source);
-  if (!node.IsMap()) return Error{fmt::format("{}: '{}' must be a single value", source, key)};
+  if (!node.IsMap())
+    return Error{fmt::format("{}: '{}' must be a single value", source, on_one_line(key))};
   for (const auto& entry : node) {
     const std::string inner = key + "." + entry.first.Scalar();
     if (auto set = set_scalars(table, inner, entry.second, source_file); !set) return set;
@@ -74,7 +75,7 @@ Result<void> read_network(NetworkConfig& network, OptionTable& table, const YAML
                           const std::string& file) {
   if (!node.IsMap()) {
     return Error{fmt::format("{}: network '{}' must hold 'model:' and 'classes:'",
-                             yaml_line(file, node), network.name)};
+                             yaml_line(file, node), on_one_line(network.name))};
   }
   for (const auto& entry : node) {
     const std::string key = entry.first.Scalar();
@@ -119,7 +120,7 @@ Result<void> require_all(const DetectorConfig& config) {
   const std::string file = config.file.string();
   for (const NetworkConfig& n : config.networks) {
     const auto failure = [&](std::string_view what) {
-      return Error{fmt::format("{}: networks.{}.{}", file, n.name, what)};
+      return Error{fmt::format("{}: networks.{}.{}", file, on_one_line(n.name), what)};
     };
     if (n.model.empty()) return failure("model is missing; name an ONNX file");
     if (n.class_table.empty()) return failure("classes is missing; name a class table");

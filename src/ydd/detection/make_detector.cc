@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "ydd/base/log.h"
+#include "ydd/base/yaml_reader.h"
 #include "ydd/detection/class_table.h"
 #include "ydd/detection/detector_config.h"
 #include "ydd/detection/person_check.h"
@@ -41,7 +42,7 @@ Result<path> find_model(const NetworkConfig& network, const DetectorConfig& conf
   return Error{fmt::format(
       "{}: networks.{}.model: there is no file {}; set the environment variable YDD_MODELS to the "
       "folder that holds it",
-      config.file.string(), network.name, fmt::join(texts, " or "))};
+      config.file.string(), on_one_line(network.name), fmt::join(texts, " or "))};
 }
 
 /// A class that the configuration names must be one that the table has.
@@ -50,7 +51,8 @@ Result<void> check_named_classes(const NetworkConfig& network,
   const auto check = [&](const char* key, const std::string& name) -> Result<void> {
     if (std::find(table.begin(), table.end(), name) != table.end()) return {};
     return Error{fmt::format("{}: networks.{}.{} names '{}', which is not in the class table {}",
-                             file, network.name, key, name, network.class_table)};
+                             file, on_one_line(network.name), key, on_one_line(name),
+                             network.class_table)};
   };
   for (const auto& [from, to] : network.rename) {
     if (auto known = check("rename", from); !known) return known;
@@ -101,7 +103,7 @@ Result<std::vector<YoloClass>> read_classes(const NetworkConfig& network,
     return Error{fmt::format(
         "{}: none of its {} classes ('{}', ...) is in the object catalogue; rename them in {} or "
         "add them to the catalogue",
-        file.string(), table->size(), table->front(), config.file.string())};
+        file.string(), table->size(), on_one_line(table->front()), config.file.string())};
   }
   return classes;
 }

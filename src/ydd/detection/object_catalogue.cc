@@ -85,7 +85,8 @@ Result<DepthExtents> parse_extents(const YAML::Node& node, const std::string& so
     }
     if (member == nullptr) {
       return Error{fmt::format("{}: unknown extent '{}'; known are {}",
-                               yaml_line(source, entry.first), name, fmt::join(known, ", "))};
+                               yaml_line(source, entry.first), on_one_line(name),
+                               fmt::join(known, ", "))};
     }
     Result<double> value = parse_extent(entry.second, source);
     if (!value) return value.error();
@@ -136,7 +137,7 @@ Result<void> add_classes(const YAML::Node& list, Subcategory subcategory, const 
     const auto& [name, extent_m] = *entry;
     if (!classes.emplace(name, ObjectClass{subcategory, extent_m}).second) {
       return Error{fmt::format("{}: class '{}' is named twice, first as '{}'; keep one",
-                               yaml_line(source, node), name,
+                               yaml_line(source, node), on_one_line(name),
                                to_string(classes.at(name).subcategory))};
     }
   }
@@ -149,7 +150,7 @@ Result<Classes> parse_classes(const YAML::Node& node, const std::string& source)
     const auto subcategory = parse_subcategory(entry.first.Scalar());
     if (!subcategory) {
       return Error{fmt::format("{}: unknown subcategory '{}'; known are {}",
-                               yaml_line(source, entry.first), entry.first.Scalar(),
+                               yaml_line(source, entry.first), on_one_line(entry.first.Scalar()),
                                fmt::join(kNames, ", "))};
     }
     if (auto added = add_classes(entry.second, *subcategory, source, classes); !added) {
@@ -169,7 +170,7 @@ Result<void> check_top_keys(const YAML::Node& root, const std::string& source) {
     const std::string key = entry.first.Scalar();
     if (key != "extents_m" && key != "classes") {
       return Error{fmt::format("{}: unknown key '{}'; known are extents_m, classes",
-                               yaml_line(source, entry.first), key)};
+                               yaml_line(source, entry.first), on_one_line(key))};
     }
   }
   if (!root["classes"] || !root["classes"].IsMap()) {

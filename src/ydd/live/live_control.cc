@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "ydd/base/one_line.h"
+
 namespace ydd {
 namespace {
 
@@ -45,7 +47,7 @@ Result<LiveCommand> parse_live_command(std::string_view text) {
       fmt::format("command '{}': must be pause, resume, step, reset, save map, quit, localize "
                   "on|off or variant "
                   "off|box|person|full",
-                  text)};
+                  on_one_line(text))};
 }
 
 std::optional<LiveCommand> LiveControl::next_command(int wait_ms) {

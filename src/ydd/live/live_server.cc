@@ -23,6 +23,7 @@
 #include <httplib.h>
 
 #include "ydd/base/channel.h"
+#include "ydd/base/one_line.h"
 #include "ydd/image/jpeg_codec.h"
 #include "ydd/live/connection_guard.h"
 #include "ydd/live/live_json.h"
@@ -350,7 +351,7 @@ Result<LiveServerOptions> parse_live_address(std::string_view text, const std::s
   out.token = token;
   if (known && match[2].matched) out.port = std::stoi(match[2]);
   if (!known || out.port > 65535) {
-    return Error{fmt::format("--serve {}: must be PORT, ADDR or ADDR:PORT", text)};
+    return Error{fmt::format("--serve {}: must be PORT, ADDR or ADDR:PORT", on_one_line(text))};
   }
   if (match[1].matched) out.address = match[1];
   if (match[3].matched) out.address = match[3];
@@ -359,7 +360,7 @@ Result<LiveServerOptions> parse_live_address(std::string_view text, const std::s
     return Error{
         fmt::format("--serve {}: others can reach this address; say what they must know "
                     "with --serve-token",
-                    text)};
+                    on_one_line(text))};
   }
   return out;
 }

@@ -161,6 +161,8 @@ Features decode_features(std::string_view bytes) {
     f.undistorted_px.emplace_back(x_px, in.f32());
     f.depth_m.push_back(in.f32());
     f.right_px.push_back(in.f32());
+    // A grid is laid over them before the map as a whole is looked at.
+    if (!f.undistorted_px.back().allFinite()) throw Fault("a keypoint that is nowhere");
   }
   in.expect_end();
   return f;
