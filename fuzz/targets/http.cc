@@ -24,6 +24,14 @@ class Served {
 std::string answer_to(std::string_view request, int port) {
   const int connection = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (connection < 0) broken("no socket");
+  // From another address each time: one alone runs out of ports after a few hundred thousand.
+  static std::uint32_t count = 0;
+  sockaddr_in from{};
+  from.sin_family = AF_INET;
+  from.sin_addr.s_addr = htonl(INADDR_LOOPBACK + 256U + ++count % 250U);
+  if (::bind(connection, reinterpret_cast<const sockaddr*>(&from), sizeof(from)) != 0) {
+    broken("no address of its own");
+  }
   sockaddr_in to{};
   to.sin_family = AF_INET;
   to.sin_port = htons(static_cast<std::uint16_t>(port));
