@@ -5,7 +5,6 @@
 #include "bench/bench.h"
 #include "ydd/base/files.h"
 #include "ydd/base/json_text.h"
-#include "ydd/studies/simulated_run.h"
 
 namespace ydd::app {
 

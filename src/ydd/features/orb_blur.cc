@@ -5,11 +5,10 @@
 
 namespace ydd {
 GreyView OrbBlur::apply(const GreyView& view) {
-  constexpr int kSlack_px = 64;
   const OrbKernels& kernels = orb_kernels();
   const std::ptrdiff_t stride = (view.width + 63) / 64 * 64 | 64;
   pixels_.resize(static_cast<std::size_t>(stride * view.height));
-  row_.resize(static_cast<std::size_t>(view.width + kSlack_px));
+  row_.resize(static_cast<std::size_t>(view.width + 2 * kOrbVector_px));
   for (int y = kRadius_px; y < view.height - kRadius_px; ++y) {
     kernels.blur_columns(view.row(y), view.stride, view.width, row_.data());
     kernels.blur_along(row_.data(), kRadius_px, view.width - kRadius_px,

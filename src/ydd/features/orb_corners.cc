@@ -10,8 +10,6 @@ namespace ydd {
 namespace {
 
 constexpr int kCell_px = 35;
-/// Vectors of scores may run over the end of a row by so much.
-constexpr int kSlack_px = 64;
 
 int cells_along(int size_px) { return std::max(1, size_px / kCell_px); }
 
@@ -33,7 +31,7 @@ std::size_t CornerDetector::find_all(const GreyView& view, int border_px, int lo
   const int x_end = view.width - border_px;
   const int y_begin = border_px;
   const int y_end = view.height - border_px;
-  const auto row_size = static_cast<std::size_t>(view.width + kSlack_px);
+  const auto row_size = static_cast<std::size_t>(view.width + 2 * kOrbVector_px);
   const OrbKernels& kernels = orb_kernels();
   scores_.assign(3 * row_size, 0);
   std::size_t count = 0;

@@ -23,6 +23,9 @@ struct ShrunkEight {
   std::uint8_t weight[16] = {};
 };
 
+/// So many pixels are taken at once: rows and buffers go on for as much behind their last one.
+inline constexpr int kOrbVector_px = 32;
+
 /// Radius of the disc around a corner that orientation and descriptor look at.
 inline constexpr int kOrbPatchRadius_px = 15;
 

@@ -1,15 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/features/orb_kernels.inc"
 
-namespace ydd {
-
-const OrbKernels kAvx2OrbKernels = {simd::kInstructionSet,
-                                    score_row,
-                                    find_maxima,
-                                    blur_columns,
-                                    blur_along,
-                                    shrink_row,
-                                    blend_rows,
-                                    moments};
-
-}  // namespace ydd
+const ydd::OrbKernels ydd::kAvx2OrbKernels = ydd::kKernels;

@@ -10,7 +10,6 @@
 namespace ydd {
 namespace {
 
-constexpr int kVector_px = 32;  ///< rows are padded to whole ones of these
 constexpr int kWeightOne = 128;
 
 int round_up(int n, int multiple) { return (n + multiple - 1) / multiple * multiple; }
@@ -45,9 +44,9 @@ void OrbPyramid::allocate(int width_px, int height_px) {
     if (l > 0) {
       const GreyView& from = views_.back();
       // Odd multiple of a cache line, so that the rows of a patch do not share a cache set.
-      view.stride = round_up(width + kVector_px, 64) | 64;
-      level.pixels.resize(static_cast<std::size_t>(view.stride * height) + kVector_px);
-      level.columns.resize(static_cast<std::size_t>(round_up(width, kVector_px) / 8));
+      view.stride = round_up(width + kOrbVector_px, 64) | 64;
+      level.pixels.resize(static_cast<std::size_t>(view.stride * height) + kOrbVector_px);
+      level.columns.resize(static_cast<std::size_t>(round_up(width, kOrbVector_px) / 8));
       for (int x = 0; x < static_cast<int>(level.columns.size()) * 8; ++x) {
         ShrunkEight& eight = level.columns[x / 8];
         const Position at = source_of(x, step_, from.width);
@@ -65,7 +64,8 @@ void OrbPyramid::allocate(int width_px, int height_px) {
     width = static_cast<int>(width / step_);
     height = static_cast<int>(height / step_);
   }
-  for (auto& row : rows_) row.assign(static_cast<std::size_t>(round_up(width_px, kVector_px)), 0);
+  for (auto& row : rows_)
+    row.assign(static_cast<std::size_t>(round_up(width_px, kOrbVector_px)), 0);
 }
 
 std::span<const GreyView> OrbPyramid::build(const GreyImage& grey) {

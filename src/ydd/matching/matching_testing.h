@@ -11,6 +11,17 @@ namespace ydd::testing_world {
 
 inline constexpr std::int64_t kFrameInterval_ns = 33'333'333;
 
+/// A look with half a pixel of noise, depth off by 2 mm at one metre, and so many wrong bits in
+/// each descriptor.
+inline ViewOptions noisy_view(unsigned seed, int flipped_bits) {
+  ViewOptions options;
+  options.noise_px = 0.5;
+  options.depth_noise = 0.002;
+  options.flipped_bits = flipped_bits;
+  options.seed = seed;
+  return options;
+}
+
 /// A frame as the tracker gets it: without pose and points.
 inline TrackedFrame frame_of(const View& view, std::int64_t index = 0) {
   TrackedFrame frame;

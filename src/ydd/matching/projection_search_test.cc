@@ -22,26 +22,18 @@ using testing_world::hand_held;
 using testing_world::known_frame_of;
 using testing_world::look;
 using testing_world::make_world;
+using testing_world::noisy_view;
 using testing_world::PointWorld;
 using testing_world::View;
 using testing_world::ViewOptions;
 
 constexpr double kCloseDepth_m = 3.0;
 
-ViewOptions noisy_view(unsigned seed) {
-  ViewOptions options;
-  options.noise_px = 0.5;
-  options.depth_noise = 0.002;
-  options.flipped_bits = 20;
-  options.seed = seed;
-  return options;
-}
-
 /// Two neighbouring views of one world and a map of the first.
 struct Pair {
   PointWorld world = make_world(1200, 4);
-  View last = look(world, hand_held(0.4), noisy_view(1));
-  View next = look(world, hand_held(0.45), noisy_view(2));
+  View last = look(world, hand_held(0.4), noisy_view(1, 20));
+  View next = look(world, hand_held(0.45), noisy_view(2, 20));
   BuiltMap built = build_map(world, {last});
 
   /// The next frame, predicted to be where the last one was.
@@ -153,7 +145,7 @@ TEST(SearchLastFrame, FindsNothingWhenDescriptorsAreForeign) {
   PointWorld other = pair.world;
   std::mt19937_64 random(99);
   for (Descriptor& d : other.descriptors) d = testing_world::random_descriptor(random);
-  TrackedFrame frame = frame_of(look(other, hand_held(0.45), noisy_view(2)), 1);
+  TrackedFrame frame = frame_of(look(other, hand_held(0.45), noisy_view(2, 20)), 1);
   frame.T_camera_world = pair.last.T_world_camera.inverse();
   const TrackedFrame last = known_frame_of(pair.last, pair.built);
   const auto matches =
@@ -226,7 +218,7 @@ TEST(SearchLocalMap, DoubtfulPointsAreLeftOut) {
 
 TEST(MatchKeyframe, NeedsNoPose) {
   const Pair pair;
-  const View far = look(pair.world, hand_held(1.2, 0.5), noisy_view(3));
+  const View far = look(pair.world, hand_held(1.2, 0.5), noisy_view(3, 20));
   const auto matches = match_keyframe(pair.built.atlas, pair.built.keyframes[0], frame_of(far, 9),
                                       0.75, MatchLimits{});
   expect_one_per_keypoint(matches);

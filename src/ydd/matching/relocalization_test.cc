@@ -18,26 +18,17 @@ using testing_world::frame_of;
 using testing_world::hand_held;
 using testing_world::look;
 using testing_world::make_world;
+using testing_world::noisy_view;
 using testing_world::PointWorld;
 using testing_world::position_error_m;
 using testing_world::rotation_error_rad;
 using testing_world::View;
-using testing_world::ViewOptions;
-
-ViewOptions noisy(unsigned seed) {
-  ViewOptions options;
-  options.noise_px = 0.5;
-  options.depth_noise = 0.002;
-  options.flipped_bits = 12;
-  options.seed = seed;
-  return options;
-}
 
 struct Known {
   PointWorld world = make_world(1200, 6);
-  std::vector<View> views = {look(world, hand_held(0.0), noisy(1)),
-                             look(world, hand_held(0.5), noisy(2)),
-                             look(world, hand_held(1.0), noisy(3))};
+  std::vector<View> views = {look(world, hand_held(0.0), noisy_view(1, 12)),
+                             look(world, hand_held(0.5), noisy_view(2, 12)),
+                             look(world, hand_held(1.0), noisy_view(3, 12))};
   BuiltMap built = build_map(world, views);
 };
 
@@ -66,7 +57,7 @@ View with_outliers(const View& view, const Camera& camera, double share) {
 
 TEST(Relocalize, FindsThePoseWithoutAnyGuess) {
   const Known known;
-  const View view = look(known.world, hand_held(0.7, 0.5), noisy(9));
+  const View view = look(known.world, hand_held(0.7, 0.5), noisy_view(9, 12));
   const auto found = find(known, frame_of(view, 5), known.built.keyframes);
   ASSERT_TRUE(found.has_value());
   EXPECT_LT(position_error_m(found->T_camera_world.inverse(), view.T_world_camera), 0.005);
@@ -83,8 +74,8 @@ TEST(Relocalize, FindsThePoseWithoutAnyGuess) {
 
 TEST(Relocalize, StandsManyWrongMatches) {
   const Known known;
-  const View view =
-      with_outliers(look(known.world, hand_held(0.7, 0.5), noisy(9)), known.world.camera, 0.5);
+  const View view = with_outliers(look(known.world, hand_held(0.7, 0.5), noisy_view(9, 12)),
+                                  known.world.camera, 0.5);
   const auto found = find(known, frame_of(view, 5), known.built.keyframes);
   ASSERT_TRUE(found.has_value());
   EXPECT_LT(position_error_m(found->T_camera_world.inverse(), view.T_world_camera), 0.01);
@@ -92,16 +83,16 @@ TEST(Relocalize, StandsManyWrongMatches) {
 
 TEST(Relocalize, SaysNothingAboutAnUnknownPlace) {
   const Known known;
-  const View elsewhere = look(make_world(1200, 70), SE3(), noisy(9));
+  const View elsewhere = look(make_world(1200, 70), SE3(), noisy_view(9, 12));
   EXPECT_FALSE(find(known, frame_of(elsewhere), known.built.keyframes).has_value());
-  const View known_view = look(known.world, hand_held(0.7), noisy(9));
+  const View known_view = look(known.world, hand_held(0.7), noisy_view(9, 12));
   EXPECT_FALSE(find(known, frame_of(known_view), {}).has_value());
 }
 
 TEST(Relocalize, SkipsCandidatesThatAreGone) {
   Known known;
   known.built.atlas.cull_keyframe(known.built.keyframes[1]);
-  const View view = look(known.world, hand_held(0.7), noisy(9));
+  const View view = look(known.world, hand_held(0.7), noisy_view(9, 12));
   const auto found =
       find(known, frame_of(view), {known.built.keyframes[1], known.built.keyframes[2]});
   ASSERT_TRUE(found.has_value());
@@ -110,8 +101,8 @@ TEST(Relocalize, SkipsCandidatesThatAreGone) {
 
 TEST(Relocalize, IsDeterministicForASeed) {
   const Known known;
-  const View view =
-      with_outliers(look(known.world, hand_held(0.7, 0.5), noisy(9)), known.world.camera, 0.4);
+  const View view = with_outliers(look(known.world, hand_held(0.7, 0.5), noisy_view(9, 12)),
+                                  known.world.camera, 0.4);
   const auto a = find(known, frame_of(view), known.built.keyframes);
   const auto b = find(known, frame_of(view), known.built.keyframes);
   ASSERT_TRUE(a.has_value());

@@ -11,8 +11,4 @@ int predicted_octave(const PyramidScales& scales, double max_distance_m, double 
   return std::clamp(static_cast<int>(std::ceil(steps)), 0, scales.levels() - 1);
 }
 
-int Viewpoint::octave_at(double max_distance_m, double distance_m) const {
-  return predicted_octave(scales_, max_distance_m, distance_m);
-}
-
 }  // namespace ydd

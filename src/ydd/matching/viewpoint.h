@@ -15,6 +15,9 @@ struct VisiblePoint {
   int octave = 0;          ///< on which the extractor should find it
 };
 
+/// The octave on which a point at `distance_m` should appear.
+int predicted_octave(const PyramidScales& scales, double max_distance_m, double distance_m);
+
 /// A camera at a pose, asked about many points.
 class Viewpoint {
  public:
@@ -42,13 +45,12 @@ class Viewpoint {
     }
     const double view_cosine = ray.dot(point.normal) / distance_m;
     if (view_cosine < kMinViewCosine) return std::nullopt;
-    return VisiblePoint{px, p_camera.z(), view_cosine, octave_at(point.max_distance_m, distance_m)};
+    return VisiblePoint{px, p_camera.z(), view_cosine,
+                        predicted_octave(scales_, point.max_distance_m, distance_m)};
   }
 
  private:
   static constexpr double kMinViewCosine = 0.5;
-
-  int octave_at(double max_distance_m, double distance_m) const;
 
   const Camera& camera_;
   const PyramidScales& scales_;
@@ -56,8 +58,5 @@ class Viewpoint {
   Eigen::Vector3d t_camera_world_;
   Eigen::Vector3d centre_world_;
 };
-
-/// The octave on which a point at `distance_m` should appear.
-int predicted_octave(const PyramidScales& scales, double max_distance_m, double distance_m);
 
 }  // namespace ydd

@@ -29,7 +29,7 @@ float median(std::vector<float> values) {
   return *middle;
 }
 
-/// A point of a thing: pixels of the small picture, depth in metres (0: none).
+/// A point of a object: pixels of the small picture, depth in metres (0: none).
 struct Sample {
   cv::Point2f at_small;
   float depth_m;
@@ -68,7 +68,7 @@ std::vector<Sample> samples_of(const Box& box, const DepthImage& depth_m, float 
   return near.size() < kEnough ? all : near;
 }
 
-/// A side of the box after a step; on the border it stays when the thing moves in.
+/// A side of the box after a step; on the border it stays when the object moves in.
 float moved_side(float side, float to, float border, bool inward_is_up) {
   constexpr float kOnBorder_px = 2.0F;
   if (std::abs(side - border) > kOnBorder_px) return to;
@@ -102,7 +102,7 @@ void CarryOptions::describe(OptionTable& table) {
   table.add("missed", missed, {0, 100}, "", "a person survives so many results without it");
   table.add("seen", seen, {1, 100}, "", "if so many results had it");
   table.add("overlap", overlap, {0, 1}, "",
-            "intersection over union that makes two boxes of a class the same thing");
+            "intersection over union that makes two boxes of a class the same object");
 }
 
 BoxCarrier::BoxCarrier(const CarryOptions& options, ObjectCatalogue catalogue)
@@ -138,13 +138,13 @@ void BoxCarrier::move(std::vector<Carried>& objects, const Picture& from, const 
   if (options_.motion == BoxMotion::none) return;
   const std::vector<Flow> flows = flows_of(objects, from, to);
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    Carried& thing = objects[i];
+    Carried& object = objects[i];
     if (flows[i].known) {
-      thing.dx_px = flows[i].dx_px;
-      thing.dy_px = flows[i].dy_px;
+      object.dx_px = flows[i].dx_px;
+      object.dy_px = flows[i].dy_px;
     }
-    thing.detection.box = moved(thing.detection.box, thing.dx_px, thing.dy_px, flows[i].growth,
-                                to.width_px, to.height_px);
+    object.detection.box = moved(object.detection.box, object.dx_px, object.dy_px, flows[i].growth,
+                                 to.width_px, to.height_px);
   }
   std::erase_if(objects, [&](const Carried& t) {
     const Box seen = clipped(t.detection.box, to.width_px, to.height_px);
@@ -159,12 +159,12 @@ std::vector<BoxCarrier::Flow> BoxCarrier::flows_of(const std::vector<Carried>& o
   std::vector<Sample> samples;
   std::vector<std::size_t> ends;
   std::vector<cv::Point2f> before, after;
-  for (const Carried& thing : objects) {
-    for (const Sample& s : samples_of(thing.detection.box, from.depth_m, from.scale)) {
+  for (const Carried& object : objects) {
+    for (const Sample& s : samples_of(object.detection.box, from.depth_m, from.scale)) {
       samples.push_back(s);
       before.push_back(s.at_small);
-      after.emplace_back(s.at_small.x + thing.dx_px * from.scale,
-                         s.at_small.y + thing.dy_px * from.scale);
+      after.emplace_back(s.at_small.x + object.dx_px * from.scale,
+                         s.at_small.y + object.dy_px * from.scale);
     }
     ends.push_back(samples.size());
   }
@@ -219,7 +219,7 @@ std::vector<int> BoxCarrier::known_as(const std::vector<Carried>& fresh,
                                       const std::vector<Carried>& known) const {
   const auto boxes_of = [](const std::vector<Carried>& objects) {
     std::vector<Box> boxes;
-    for (const Carried& thing : objects) boxes.push_back(thing.detection.box);
+    for (const Carried& object : objects) boxes.push_back(object.detection.box);
     return boxes;
   };
   return associate(boxes_of(fresh), boxes_of(known), options_.overlap,
@@ -232,11 +232,11 @@ void BoxCarrier::set_velocities(std::vector<Carried>& fresh, int frames) const {
   const std::vector<int> before = known_as(fresh, last_result_);
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     if (before[i] < 0) continue;
-    Carried& thing = fresh[i];
+    Carried& object = fresh[i];
     const Box& a = last_result_[static_cast<std::size_t>(before[i])].detection.box;
-    const Box& b = thing.detection.box;
-    thing.dx_px = (b.x0 + b.x1 - a.x0 - a.x1) / 2 / static_cast<float>(frames);
-    thing.dy_px = (b.y0 + b.y1 - a.y0 - a.y1) / 2 / static_cast<float>(frames);
+    const Box& b = object.detection.box;
+    object.dx_px = (b.x0 + b.x1 - a.x0 - a.x1) / 2 / static_cast<float>(frames);
+    object.dy_px = (b.y0 + b.y1 - a.y0 - a.y1) / 2 / static_cast<float>(frames);
   }
 }
 
@@ -269,9 +269,9 @@ std::vector<BoxCarrier::Carried> BoxCarrier::received(std::int64_t frame_index,
                                                       const Detections& found) {
   std::vector<Carried> fresh;
   for (const Detection& d : found) {
-    Carried thing;
-    thing.detection = d;
-    fresh.push_back(std::move(thing));
+    Carried object;
+    object.detection = d;
+    fresh.push_back(std::move(object));
   }
   if (last_result_frame_ >= 0 && frame_index > last_result_frame_) {
     set_velocities(fresh, static_cast<int>(frame_index - last_result_frame_));
@@ -283,7 +283,7 @@ std::vector<BoxCarrier::Carried> BoxCarrier::received(std::int64_t frame_index,
 
 Detections BoxCarrier::now() const {
   Detections out;
-  for (const Carried& thing : objects_) out.push_back(thing.detection);
+  for (const Carried& object : objects_) out.push_back(object.detection);
   if (pictures_.empty()) return sorted_by_score(std::move(out));
   return sorted_by_score(
       clipped(std::move(out), pictures_.back().width_px, pictures_.back().height_px));

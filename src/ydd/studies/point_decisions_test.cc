@@ -81,10 +81,5 @@ TEST(SimulatedRun, IsHeldAgainstTheTruth) {
   EXPECT_LT(run->ate_m(), 0.02);
 }
 
-TEST(SystemOptionsOf, AnUnknownKeyIsAnError) {
-  EXPECT_FALSE(system_options({"tracking.no_such=1"}).ok());
-  EXPECT_TRUE(system_options({"loop.enabled=false"}).ok());
-}
-
 }  // namespace
 }  // namespace ydd

@@ -97,14 +97,4 @@ Result<SimulatedRun> FrameStore::run(const SystemOptions& options) const {
   return run_frames(*simulator_, frame_at, options, {});
 }
 
-Result<SystemOptions> system_options(const std::vector<std::string>& assignments) {
-  SystemOptions options;
-  OptionTable table;
-  options.describe(table);
-  for (const std::string& assignment : assignments) {
-    if (auto r = table.set_assignment(assignment, "--set"); !r) return r.error();
-  }
-  return options;
-}
-
 }  // namespace ydd

@@ -60,7 +60,4 @@ class FrameStore {
   std::vector<SimulatedFrame> frames_;
 };
 
-/// Options of the system with `assignments` ("key=value") set.
-Result<SystemOptions> system_options(const std::vector<std::string>& assignments);
-
 }  // namespace ydd

@@ -9,7 +9,7 @@
 
 namespace ydd {
 
-/// Where a map of the second atlas was merged to one of the first.
+/// Where a map of the second atlas was merged into one of the first.
 struct MapMerge {
   MapId map;               ///< of the joined atlas: the one that moved
   MapId into;              ///< the one that it became part of
@@ -22,7 +22,7 @@ struct MergedMaps {
   int separate = 0;  ///< maps of the second atlas in which no common place was found
 };
 
-/// Puts the maps of `b` beside those of `a`, then merges each to a map of `a` where place
+/// Puts the maps of `b` beside those of `a`, then merges each into one of `a` where place
 /// recognition finds a common place and all checks of loop closing hold: the map of `b` moves, that
 /// of `a` stays. Ends with bundle adjustment over the merged map if that is switched on.
 /// Deterministic. Failure: cameras or pyramids differ.

@@ -84,7 +84,7 @@ class SlamSystem {
   Result<void> finish(Ending ending = Ending::complete);
 
   /// Poses of the frames that were tracked in the main map (the one that most frames belong to),
-  /// resolved against its newest state. Frames of another map that was never merged to it have no
+  /// resolved against its newest state. Frames of another map that was never merged into it have no
   /// place in its world.
   StampedPoses trajectory() const;
   /// Poses of the keyframes of the main map.

@@ -26,7 +26,6 @@ void SystemOptions::describe(OptionTable& t) {
 SystemOptions SystemOptions::resolved() const {
   constexpr int kDeterministicLatency_frames = 2;  // equal results need answers at fixed frames
   SystemOptions result = *this;
-  result.dynamics = dynamics.resolved();
   result.tracking.close_depth_m = close_depth_m;
   result.mapping.close_depth_m = close_depth_m;
   result.mapping.cull.close_depth_m = close_depth_m;
@@ -36,6 +35,16 @@ SystemOptions SystemOptions::resolved() const {
     result.detect.latency_frames = kDeterministicLatency_frames;
   }
   return result;
+}
+
+Result<SystemOptions> system_options(const std::vector<std::string>& assignments) {
+  SystemOptions options;
+  OptionTable table;
+  options.describe(table);
+  for (const std::string& assignment : assignments) {
+    if (auto r = table.set_assignment(assignment, "--set"); !r) return r.error();
+  }
+  return options;
 }
 
 }  // namespace ydd

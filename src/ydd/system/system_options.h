@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "ydd/base/result.h"
 #include "ydd/dynamics/dynamics_options.h"
 #include "ydd/features/orb_extractor.h"
 #include "ydd/loop/loop_closer.h"
@@ -34,5 +38,8 @@ struct SystemOptions {
   /// What is meant: each part with what it shares with the others.
   SystemOptions resolved() const;
 };
+
+/// The defaults with `assignments` ("key=value", as for --set) on top.
+Result<SystemOptions> system_options(const std::vector<std::string>& assignments);
 
 }  // namespace ydd
