@@ -3,9 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/bench.h"
+#include "bench/figures.h"
 #include "run/run_job.h"
-#include "ydd/base/files.h"
-#include "ydd/base/json_text.h"
 #include "ydd/base/timing.h"
 #include "ydd/evaluation/ate.h"
 
@@ -104,11 +103,7 @@ Result<std::string> bench_detection(const BenchRequest& request, const fs::path&
       json.push_back(json_of(*row, bench_case.name));
     }
   }
-  if (!request.out.empty()) {
-    if (auto r = write_file_atomically(request.out, json_text(json, 2) + "\n"); !r)
-      return r.error();
-  }
-  return table;
+  return table_and_json(std::move(table), json, request.out);
 }
 
 }  // namespace ydd::app

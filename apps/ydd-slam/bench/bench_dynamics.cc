@@ -3,8 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/bench.h"
-#include "ydd/base/files.h"
-#include "ydd/base/json_text.h"
+#include "bench/figures.h"
 
 namespace ydd::app {
 
@@ -48,11 +47,7 @@ Result<std::string> bench_dynamics(const BenchRequest& request, const fs::path& 
                       {"extraction_ms", extract_ms}});
     }
   }
-  if (!request.out.empty()) {
-    if (auto r = write_file_atomically(request.out, json_text(json, 2) + "\n"); !r)
-      return r.error();
-  }
-  return table;
+  return table_and_json(std::move(table), json, request.out);
 }
 
 }  // namespace ydd::app

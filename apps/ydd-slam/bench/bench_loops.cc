@@ -89,7 +89,7 @@ Result<std::string> bench_loops(const SeedRequest& request) {
         statistics_of(f.ate_without_m).median, with.median, with.max, f.lost_frames);
     json.push_back(to_json(world, f));
   }
-  return table_and_json(std::move(table), json, request);
+  return table_and_json(std::move(table), json, request.out);
 }
 
 }  // namespace ydd::app

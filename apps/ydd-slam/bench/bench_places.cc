@@ -109,7 +109,7 @@ Result<std::string> bench_places(const SeedRequest& request) {
     table += row(name, *counts);
     json.push_back(to_json(name, *counts));
   }
-  return table_and_json(std::move(table), json, request);
+  return table_and_json(std::move(table), json, request.out);
 }
 
 }  // namespace ydd::app

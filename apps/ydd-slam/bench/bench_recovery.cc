@@ -48,7 +48,7 @@ Result<std::string> bench_recovery(const SeedRequest& request) {
                     {"merged", merged},
                     {"ate_rmse_m", ate_m}});
   }
-  return table_and_json(std::move(table), json, request);
+  return table_and_json(std::move(table), json, request.out);
 }
 
 }  // namespace ydd::app

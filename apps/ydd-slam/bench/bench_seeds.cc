@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/bench_seeds.h"
 
-#include "ydd/base/files.h"
-#include "ydd/base/json_text.h"
-
 namespace ydd::app {
 
 WorldOptions walk_world(const SeedRequest& request, int seed, int rooms) {
@@ -22,15 +19,6 @@ WorldOptions walk_world(const SeedRequest& request, int seed, int rooms) {
 
 bool is_wanted(const SeedRequest& request, const std::string& name) {
   return name.find(request.only) != std::string::npos;
-}
-
-Result<std::string> table_and_json(std::string table, const nlohmann::ordered_json& json,
-                                   const SeedRequest& request) {
-  if (!request.out.empty()) {
-    if (auto r = write_file_atomically(request.out, json_text(json, 2) + "\n"); !r)
-      return r.error();
-  }
-  return table;
 }
 
 }  // namespace ydd::app

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "bench/figures.h"
 #include "ydd/studies/simulated_run.h"
 
 namespace ydd::app {
@@ -26,10 +25,6 @@ struct SeedRequest {
 
 /// A walk round the rooms with this seed, at the request's size and rate.
 WorldOptions walk_world(const SeedRequest& request, int seed, int rooms = 1);
-
-/// Writes `json` when a file was asked for, and gives the table.
-Result<std::string> table_and_json(std::string table, const nlohmann::ordered_json& json,
-                                   const SeedRequest& request);
 
 /// Whether `name` is asked for.
 bool is_wanted(const SeedRequest& request, const std::string& name);

@@ -5,10 +5,9 @@
 
 #include "bench/bench.h"
 #include "bench/energy.h"
+#include "bench/figures.h"
 #include "common/child_run.h"
 #include "common/default_detector.h"
-#include "ydd/base/files.h"
-#include "ydd/base/json_text.h"
 #include "ydd/base/log.h"
 #include "ydd/base/timing.h"
 #include "ydd/dataset/camera_file.h"
@@ -220,13 +219,9 @@ Result<std::string> bench_speed(const BenchRequest& request, const fs::path& scr
       }
     }
   }
-  if (!request.out.empty()) {
-    if (auto r = write_file_atomically(request.out, json_text(json, 2) + "\n"); !r)
-      return r.error();
-  }
   std::string text = tables.runs + "\n" + tables.stages;
   if (!request.against.empty()) text += "\n" + tables.ratios;
-  return text;
+  return table_and_json(std::move(text), json, request.out);
 }
 
 }  // namespace ydd::app

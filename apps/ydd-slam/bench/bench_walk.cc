@@ -92,7 +92,7 @@ Result<std::string> bench_walk(const SeedRequest& request) {
                      {"loops", run->loops.size()},
                      {"false_loops", wrong},
                      {"series", series}};
-  return table_and_json(std::move(table), json, request);
+  return table_and_json(std::move(table), json, request.out);
 }
 
 }  // namespace ydd::app

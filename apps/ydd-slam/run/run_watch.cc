@@ -51,7 +51,7 @@ LiveWindowOptions window_options(const RunRequest& request, const std::filesyste
 Result<PlayEnd> play_in_window(const PlayInput& input, SlamSystem& system, Listeners& listeners,
                                LiveControl& live, const std::filesystem::path& folder) {
   Channel<bool> window_is_open(1);
-  std::future<PlayEnd> fed = std::async(std::launch::async, [&]() -> PlayEnd {
+  std::future<PlayEnd> played = std::async(std::launch::async, [&]() -> PlayEnd {
     if (!window_is_open.pop()) return {};
     return play_for_watchers(input, system, listeners, live);
   });
@@ -63,7 +63,7 @@ Result<PlayEnd> play_in_window(const PlayInput& input, SlamSystem& system, Liste
   if (input.request.view.paused) live.send(live::Step{});
   window_is_open.push(true);
   const Result<void> shown = window->show(live);
-  PlayEnd end = fed.get();
+  PlayEnd end = played.get();
   if (!shown && end.failure.empty()) end.failure = shown.error().message;
   return end;
 }
