@@ -82,6 +82,24 @@ void mark_region(const DepthImage& half_m, const MovingRegion& region, std::vect
   }
 }
 
+/// A region for each cell that is judged to move.
+std::vector<MovingRegion> moving_cells(const MotionOdds& odds) {
+  constexpr float kThickness_m = 0.1F;
+  std::vector<MovingRegion> regions;
+  const CellGrid& grid = odds.depth.grid;
+  const auto side_px = static_cast<float>(grid.cell_px);
+  for (std::size_t i = 0; i < odds.moves.size(); ++i) {
+    if (odds.moves[i] == 0) continue;
+    const float x_px = side_px * static_cast<float>(static_cast<int>(i) % grid.columns);
+    const float y_px = side_px * static_cast<float>(static_cast<int>(i) / grid.columns);
+    const float z_m = odds.depth.z_m[i];
+    regions.push_back({.rule = Rule::seen_moving,
+                       .box = {x_px, y_px, x_px + side_px, y_px + side_px},
+                       .range = DepthRange{z_m - kThickness_m, z_m + kThickness_m}});
+  }
+  return regions;
+}
+
 /// Grows what is marked along one axis: `stride` to the next pixel of a line, `step` to the next
 /// line.
 void grow_lines(std::vector<bool>& mask, int lines, int length, std::size_t step,
@@ -135,7 +153,10 @@ std::vector<bool> moving_mask(const DepthImage& half_m, std::span<const MovingRe
 
 KeyFramePicture make_keyframe_picture(const PictureSource& source) {
   const DepthImage half_m = half_size(source.depth_m);
-  const std::vector<bool> moving = moving_mask(half_m, source.moving);
+  std::vector<MovingRegion> regions =
+      source.odds ? moving_cells(*source.odds) : std::vector<MovingRegion>();
+  regions.insert(regions.end(), source.moving.begin(), source.moving.end());
+  const std::vector<bool> moving = moving_mask(half_m, regions);
   std::vector<std::uint16_t> depth_mm(moving.size());
   std::vector<Bgr> colour(moving.size(), kNeutral);
   for (int y = 0; y < half_m.height(); ++y) {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "ydd/base/result.h"
 #include "ydd/dynamics/point_rules.h"
+#include "ydd/evidence/motion_odds.h"
 #include "ydd/image/image.h"
 #include "ydd/map/map_types.h"
 
@@ -15,6 +18,7 @@ struct PictureSource {
   ColourImage colour;
   DepthImage depth_m;
   std::vector<MovingRegion> moving;
+  std::shared_ptr<const MotionOdds> odds = {};  ///< of its surfaces; null: not asked for
 };
 
 /// Which pixels of the half-size picture are left out: row by row, true where something moves.

@@ -106,6 +106,7 @@ void DynamicsOptions::describe(OptionTable& table) {
   table.group("moved", moved);
   table.group("compensation", compensation);
   table.group("refinement", refinement);
+  table.group("evidence", evidence);
 }
 
 DynamicsOptions DynamicsOptions::resolved() const {

@@ -6,13 +6,14 @@
 #include <string_view>
 
 #include "ydd/base/options.h"
+#include "ydd/evidence/evidence_options.h"
 
 namespace ydd {
 
 /// What is rejected (docs/method.md, section 9).
-enum class Variant { off, box, person, full };
-constexpr std::array<std::string_view, 4> choices_of(Variant) {
-  return {"off", "box", "person", "full"};
+enum class Variant { off, box, person, full, evidence };
+constexpr std::array<std::string_view, 5> choices_of(Variant) {
+  return {"off", "box", "person", "full", "evidence"};
 }
 
 /// Section 3: where an object's depth is sampled.
@@ -104,7 +105,10 @@ struct DynamicsOptions {
   MovedObjectOptions moved;
   CompensationOptions compensation;
   RefinementOptions refinement;
+  EvidenceOptions evidence;
 
+  /// Whether all rules are meant, with evidence or without.
+  bool whole() const { return variant == Variant::full || variant == Variant::evidence; }
   void describe(OptionTable& table);
   /// What is meant: unless `refinement.enabled`, every refinement is off. Functions below the judge
   /// ask for nothing but their own switch.

@@ -15,7 +15,7 @@ std::string_view to_string(Rule rule) {
                                                                       "full_depth_failed",
                                                                       "full_small_box",
                                                                       "full_entangled",
-                                                                      "geometry",
+                                                                      "seen_moving",
                                                                       "surrounded",
                                                                       "lone_part",
                                                                       "connected",

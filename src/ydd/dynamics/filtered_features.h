@@ -24,7 +24,7 @@ enum class Rule : std::uint8_t {
   full_depth_failed,  ///< 8.1: the object's depth failed
   full_small_box,     ///< 8.2: the box is too small
   full_entangled,     ///< 8.3: overlaps another person by more than half
-  geometry,           ///< beyond the article: reprojection disagrees inside a dynamic box
+  seen_moving,        ///< variant `evidence`: on a surface that was seen to move
   surrounded,         ///< beyond the article: no depth, but all round it a moving thing
   lone_part,          ///< beyond the article: on a head or hand that belongs to no person
   connected,          ///< beyond the article: on what sticks out of a body's box

@@ -14,6 +14,7 @@
 #include "ydd/dynamics/person_tracks.h"
 #include "ydd/dynamics/point_rules.h"
 #include "ydd/dynamics/scene_switch.h"
+#include "ydd/evidence/motion_odds.h"
 #include "ydd/features/features.h"
 #include "ydd/image/image.h"
 
@@ -31,6 +32,7 @@ struct ObjectJudgement {
   int head = -1;                    ///< person: detection index of its head; -1: none matched
   std::vector<int> hands;           ///< person: detection indices of its hands
   std::int64_t track = -1;          ///< person: the same number in every frame; -1: not followed
+  std::optional<float> log_odds;    ///< variant `evidence`: that it moves, class and all
 };
 
 /// A frame's points and objects, judged.
@@ -61,9 +63,10 @@ class DynamicsJudge {
  public:
   DynamicsJudge(const DynamicsOptions& options, ObjectCatalogue catalogue);
 
-  /// Judges the next frame. In a static frame every point is kept.
-  Judgement judge(const Features& features, const Detections& detections,
-                  const DepthImage& depth_m);
+  /// Judges the next frame. In a static frame every point is kept. Variant `evidence` asks the odds
+  /// that surfaces move besides (null: nothing is known), and knows no static frames then.
+  Judgement judge(const Features& features, const Detections& detections, const DepthImage& depth_m,
+                  const MotionOdds* odds = nullptr);
 
   /// How many points the next frame should ask the extractor for.
   int budget() const { return budget_; }

@@ -450,7 +450,7 @@ TEST(Observe, NeedsOneRuleForEachFeature) {
 
 TEST(Rules, EachHasItsName) {
   EXPECT_EQ(to_string(Rule::kept), "kept");
-  EXPECT_EQ(to_string(Rule::geometry), "geometry");
+  EXPECT_EQ(to_string(Rule::seen_moving), "seen_moving");
   EXPECT_EQ(to_string(Rule::bridged), "bridged");
   EXPECT_EQ(static_cast<int>(Rule::bridged) + 1, kRuleCount);
 }

@@ -104,7 +104,7 @@ Scene make_scene(const Detections& detections, const ObjectCatalogue& catalogue,
                  const DepthImage& depth_m, const DynamicsOptions& options) {
   Scene scene;
   const RefinementOptions& refinement = options.refinement;
-  const bool full = options.variant == Variant::full;
+  const bool full = options.whole();
   scene.objects = measure_objects(detections, catalogue, depth_m, options.object_depth,
                                   full && refinement.uncovered_heads);
   scene.bodies = match_bodies(scene.objects, options.matching, full && refinement.own_heads);
@@ -190,15 +190,14 @@ std::vector<MovingRegion> body_regions(const Scene& scene, const DynamicsOptions
   for (const Body& body : scene.bodies) {
     if (variant == Variant::box) regions.push_back(region_of(scene, body.person, Rule::box));
     if (variant == Variant::person) regions.push_back(person_region(scene, body, options));
-    if (variant == Variant::full) regions.push_back(body_region(scene, body, options));
+    if (options.whole()) regions.push_back(body_region(scene, body, options));
   }
-  return variant == Variant::full ? with_hidden_bodies(scene, options, std::move(regions))
-                                  : regions;
+  return options.whole() ? with_hidden_bodies(scene, options, std::move(regions)) : regions;
 }
 
 std::vector<MovingRegion> thing_regions(const Scene& scene, const DynamicsOptions& options) {
   std::vector<MovingRegion> regions;
-  if (options.variant != Variant::full) return regions;
+  if (!options.whole()) return regions;
   for_objects(scene, is_automatic,
               [&](int i) { regions.push_back(automatic_region(scene, i, options)); });
   for_objects(scene, is_potential, [&](int i) {

@@ -48,6 +48,8 @@ void CullOptions::describe(OptionTable& t) {
         "share of the frames that should see a new point and find it");
   t.add("probation_keyframes", probation_keyframes, {0, 100}, "keyframes",
         "how long a new point is watched");
+  t.add("contradicted_frames", contradicted_frames, {1, 100000}, "frames",
+        "in a row in which a point is looked through or moves, that remove it");
   t.add("min_observations", min_observations, {1, 10}, "",
         "keyframes that must see a point by then");
   t.add("redundant_share", redundant_share, {0.1, 1.0}, "",
@@ -77,6 +79,17 @@ int cull_recent_points(Atlas& atlas, std::vector<MapPointId>& recent, KeyFrameId
   }
   recent = std::move(still_recent);
   return culled;
+}
+
+int cull_contradicted_points(Atlas& atlas, std::span<const PointViews> views,
+                             const CullOptions& options) {
+  int removed = 0;
+  for (const PointViews& v : views) {
+    if (v.contradicted < options.contradicted_frames || !atlas.find(v.point)) continue;
+    atlas.remove_point(v.point);
+    ++removed;
+  }
+  return removed;
 }
 
 int cull_redundant_keyframes(Atlas& atlas, KeyFrameId newest, const CullOptions& options) {

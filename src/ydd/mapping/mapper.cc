@@ -37,8 +37,10 @@ MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token
   };
   const KeyFrameId id = report.keyframe =
       timed("insert_keyframe", [&] { return insert(candidate); });
-  report.points_culled = timed(
-      "cull_points", [&] { return cull_recent_points(atlas_, recent_points_, id, options_.cull); });
+  report.points_culled = timed("cull_points", [&] {
+    return cull_contradicted_points(atlas_, candidate.views, options_.cull) +
+           cull_recent_points(atlas_, recent_points_, id, options_.cull);
+  });
   report.points_from_depth = timed("create_points", [&] {
     const int added = add_points_from_depth(id);
     const auto triangulated =

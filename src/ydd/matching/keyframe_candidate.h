@@ -12,6 +12,7 @@ struct PointViews {
   MapPointId point;
   int visible = 0;
   int found = 0;
+  int contradicted = 0;  ///< in a row, lately: something is seen behind it, or it lies on a mover
 };
 
 /// A frame that the map should keep: everything the mapper needs, by value.

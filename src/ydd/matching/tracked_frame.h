@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ydd/cloud/keyframe_picture.h"
+#include "ydd/evidence/motion_odds.h"
 #include "ydd/map/local_map.h"
 
 namespace ydd {
@@ -19,6 +20,7 @@ struct TrackedFrame {
   std::shared_ptr<const Features> shared_features;
   std::shared_ptr<const KeypointGrid> grid;
   std::shared_ptr<const PictureSource> picture;  ///< for a keyframe to keep; null: none
+  std::shared_ptr<const MotionOdds> odds;        ///< that its surfaces move; null: not asked for
   SE3 T_camera_world;
   std::vector<MapPointId> points;  ///< per keypoint; empty id: none
   bool stale = false;  ///< one of its pictures is an earlier frame's: it makes no keyframe

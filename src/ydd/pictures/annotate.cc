@@ -89,7 +89,7 @@ Bgr colour_of(Rule rule) {
       {128, 0, 255},    // full_depth_failed
       {255, 80, 80},    // full_small_box
       {200, 0, 200},    // full_entangled
-      {255, 160, 0},    // geometry
+      {255, 160, 0},    // seen_moving
       {160, 160, 255},  // surrounded
       {0, 128, 255},    // lone_part
       {200, 200, 0},    // connected

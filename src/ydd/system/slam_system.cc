@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ydd/base/guard.h"
+#include "ydd/dynamics/evidence_rules.h"
 #include "ydd/map/compatible.h"
 
 namespace ydd {
@@ -50,6 +51,7 @@ SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
       options_(options.resolved()),
       extractor_(options_.orb),
       judge_(options_.dynamics, std::move(catalogue)),
+      evidence_(options_.dynamics.evidence, camera_),
       tracker_(options_.tracking, map && !map->keyframes().empty()),
       mapping_(make_mapping(initial_atlas(camera, options_, std::move(map)), options_)) {
   if (!detector) return;
@@ -69,21 +71,37 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
   StageTimes total;
   StageTimer total_timer(total, "total");
   if (detector_) detector_->start(frame);
-  const Features features = extract(frame, report);
+  const auto features = std::make_shared<const Features>(extract(frame, report));
   Result<Detections> detections = join_detections(frame, report);
   if (!detections) return detections.error();
   report.detections = std::move(*detections);
-  {
-    StageTimer timer(report.times, "dynamics");
-    report.judgement = judge_.judge(features, report.detections, frame.depth_m);
-    report.filtered =
-        std::make_shared<const FilteredFeatures>(filter_features(features, report.judgement));
-  }
+  judge(frame, features, report);
   if (auto r = track(frame, report); !r) return r.error();
+  settle_evidence(report);
   if (saver_) saver_->offer(atlas());
   total_timer.stop();
   report.times.push_back(total.front());
   return report;
+}
+
+void SlamSystem::judge(const RgbdFrame& frame, const std::shared_ptr<const Features>& features,
+                       FrameReport& report) {
+  if (variant() == Variant::evidence) {
+    StageTimer timer(report.times, "evidence");
+    report.odds =
+        std::make_shared<const MotionOdds>(evidence_.look(features, frame.depth_m, frame.stamp));
+  }
+  StageTimer timer(report.times, "dynamics");
+  report.judgement = judge_.judge(*features, report.detections, frame.depth_m, report.odds.get());
+  report.filtered =
+      std::make_shared<const FilteredFeatures>(filter_features(*features, report.judgement));
+}
+
+void SlamSystem::settle_evidence(FrameReport& report) {
+  if (!report.odds) return;
+  StageTimer timer(report.times, "settle_evidence");
+  evidence_.settle(report.track.T_camera_last,
+                   prior_of_cells(report.judgement.regions, *report.odds));
 }
 
 Features SlamSystem::extract(const RgbdFrame& frame, FrameReport& report) {
@@ -113,12 +131,13 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   tracked.index = frame.index;
   tracked.stamp = frame.stamp;
   tracked.shared_features = report.filtered->kept;
+  tracked.odds = report.odds;
   const RepeatedPictures::Verdict repeated = repeated_pictures_.look(frame);
   tracked.stale = repeated.stale;
   tracked.doubt = repeated.doubt;
   if (options_.map.pictures) {
     tracked.picture = std::make_shared<const PictureSource>(
-        PictureSource{frame.colour, frame.depth_m, report.judgement.regions});
+        PictureSource{frame.colour, frame.depth_m, report.judgement.regions, report.odds});
   }
   {
     StageTimer timer(report.times, "grid");
@@ -144,6 +163,12 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   return {};
 }
 
+void SlamSystem::set_variant(Variant variant) {
+  if (variant == this->variant()) return;
+  judge_.set_variant(variant);
+  evidence_.clear();
+}
+
 void SlamSystem::reset() {
   const Variant variant = judge_.options().variant;
   (void)mapping_->finish(Ending::prompt);  // its failure goes with its map
@@ -151,6 +176,7 @@ void SlamSystem::reset() {
   tracker_ = Tracker(options_.tracking);
   judge_ = DynamicsJudge(options_.dynamics, judge_.catalogue());
   judge_.set_variant(variant);
+  evidence_.clear();
   if (asynchronous_) asynchronous_->forget();
   repeated_pictures_ = {};
   trajectory_.clear();

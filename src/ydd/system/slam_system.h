@@ -10,6 +10,7 @@
 #include "ydd/base/timing.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/dynamics/judge.h"
+#include "ydd/evidence/motion_evidence.h"
 #include "ydd/system/detector_runner.h"
 #include "ydd/system/map_saver.h"
 #include "ydd/system/mapping_runner.h"
@@ -26,6 +27,7 @@ struct FrameReport {
   bool keyframe = false;
   int requested = 0;  ///< features asked for
   Detections detections;
+  std::shared_ptr<const MotionOdds> odds;  ///< that surfaces move; null unless asked for
   Judgement judgement;
   std::shared_ptr<const FilteredFeatures> filtered;
   std::vector<MapPointId> points;  ///< per kept keypoint
@@ -57,7 +59,7 @@ class SlamSystem {
   Result<FrameReport> process(const RgbdFrame& frame);
 
   /// What is rejected from the next frame on.
-  void set_variant(Variant variant) { judge_.set_variant(variant); }
+  void set_variant(Variant variant);
   Variant variant() const { return judge_.options().variant; }
 
   /// Forgets every map, the trajectory and what is known of persons; the next frame starts the
@@ -97,13 +99,17 @@ class SlamSystem {
  private:
   Features extract(const RgbdFrame& frame, FrameReport& report);
   Result<Detections> join_detections(const RgbdFrame& frame, FrameReport& report);
+  void judge(const RgbdFrame& frame, const std::shared_ptr<const Features>& features,
+             FrameReport& report);
   Result<void> track(const RgbdFrame& frame, FrameReport& report);
+  void settle_evidence(FrameReport& report);
   MapId main_map() const;
 
   Camera camera_;
   SystemOptions options_;
   OrbExtractor extractor_;
   DynamicsJudge judge_;
+  MotionEvidence evidence_;
   Tracker tracker_;
   std::unique_ptr<MappingRunner> mapping_;
   std::unique_ptr<DetectorRunner> detector_;             // of every frame

@@ -248,26 +248,43 @@ bool Tracker::track_local_map(const Atlas& atlas, TrackedFrame& frame, TrackResu
   if (result.inliers < options_.min_local_inliers) return false;
   frame.points.assign(frame.points.size(), MapPointId{});
   assign(pose, frame);
-  count_views(local, search, frame);
+  count_views(atlas, local, search, frame);
   set_pose(atlas, frame, local, result);
   return true;
 }
 
-void Tracker::count_views(const LocalMap& local, const LocalSearch& search,
+bool Tracker::contradicted(const Atlas& atlas, const Eigen::Vector3d& p_world,
+                           const TrackedFrame& frame) const {
+  if (!frame.odds || frame.odds->empty()) return false;
+  constexpr double kTolerance_m = 0.04, kGrowth_per_m = 0.008;  // of depth and pose
+  const Eigen::Vector3d p_camera = frame.T_camera_world * p_world;
+  if (p_camera.z() <= 0) return false;
+  const Eigen::Vector2d px = atlas.camera().distort(atlas.camera().project(p_camera));
+  const double z_m = p_camera.z();
+  return frame.odds->contradicts(static_cast<float>(px.x()), static_cast<float>(px.y()),
+                                 static_cast<float>(z_m),
+                                 static_cast<float>(kTolerance_m + kGrowth_per_m * z_m * z_m));
+}
+
+void Tracker::count_views(const Atlas& atlas, const LocalMap& local, const LocalSearch& search,
                           const TrackedFrame& frame) {
   const auto entry = [&](MapPointId id) -> Views& {
     if (views_.size() <= id.slot) views_.resize(id.slot + 1);
     Views& views = views_[id.slot];
-    if (views.generation != id.generation) views = {id.generation, 0, 0};
+    if (views.generation != id.generation) views = {id.generation, 0, 0, 0};
     return views;
   };
   for (const int i : search.visible) {
-    ++entry(local.points[static_cast<std::size_t>(i)].id).visible;
+    const auto& point = local.points[static_cast<std::size_t>(i)];
+    Views& views = entry(point.id);
+    ++views.visible;
+    if (contradicted(atlas, point.p_world, frame)) ++views.contradicted;
   }
   for (const MapPointId id : frame.points) {
     if (!id.valid()) continue;
     ++entry(id).visible;
     ++entry(id).found;
+    entry(id).contradicted = 0;
   }
   for (const PointMatch& m : search.matches) {  // found ones were counted twice
     if (frame.points[static_cast<std::size_t>(m.keypoint)] == m.point) --entry(m.point).visible;
@@ -278,9 +295,10 @@ std::vector<PointViews> Tracker::take_views() {
   std::vector<PointViews> out;
   for (std::uint32_t slot = 0; slot < views_.size(); ++slot) {
     const Views& v = views_[slot];
-    if (v.visible > 0 || v.found > 0) out.push_back({{slot, v.generation}, v.visible, v.found});
+    if (v.visible <= 0 && v.found <= 0) continue;
+    out.push_back({{slot, v.generation}, v.visible, v.found, v.contradicted});
+    views_[slot].visible = views_[slot].found = 0;
   }
-  views_.clear();
   return out;
 }
 
@@ -327,6 +345,7 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
                        ? std::optional(frame.T_camera_world * last_->T_camera_world.inverse())
                        : std::nullopt;
   motion_interval_s_ = consecutive ? seconds_between(last_->stamp, frame.stamp) : 0;
+  result.T_camera_last = T_camera_last_;
   state_ = result.state = TrackingState::tracking;
   lost_since_.reset();
   last_reference_ = result.reference;
@@ -402,6 +421,7 @@ TrackResult Tracker::finish_coasting(TrackedFrame frame, const Atlas& atlas, Tra
       atlas.at(result.reference).T_world_camera.inverse() * result.T_world_camera;
   T_camera_last_ = frame.T_camera_world * last_->T_camera_world.inverse();
   motion_interval_s_ = seconds_between(last_->stamp, frame.stamp);
+  result.T_camera_last = T_camera_last_;
   last_reference_ = result.reference;
   T_reference_last_ = result.T_reference_camera;
   last_ = colour_only(std::move(frame));

@@ -51,10 +51,11 @@ struct TrackResult {
                          ///< coasting, where the colour image alone tells the pose
   std::string doubt;     ///< why it coasts
   SE3 T_reference_camera;
-  int motion_inliers = 0;          ///< points that agree with the first pose estimate
-  int inliers = 0;                 ///< map points that agree with the final pose
-  int local_points = 0;            ///< size of the local map
-  std::vector<MapPointId> points;  ///< per keypoint of the frame
+  std::optional<SE3> T_camera_last;  ///< the camera's motion since the last frame with a pose
+  int motion_inliers = 0;            ///< points that agree with the first pose estimate
+  int inliers = 0;                   ///< map points that agree with the final pose
+  int local_points = 0;              ///< size of the local map
+  std::vector<MapPointId> points;    ///< per keypoint of the frame
   std::optional<KeyFrameCandidate> candidate;
   StageTimes times;
 };
@@ -89,6 +90,7 @@ class Tracker {
     std::uint32_t generation = 0;
     int visible = 0;
     int found = 0;
+    int contradicted = 0;  ///< in a row
   };
 
   bool find_pose(const Atlas& atlas, TrackedFrame& frame, TrackResult& result);
@@ -106,7 +108,10 @@ class Tracker {
   std::optional<PoseFromMatches> pose_by_relocalization(const TrackedFrame& frame,
                                                         const Atlas& atlas) const;
   bool track_local_map(const Atlas& atlas, TrackedFrame& frame, TrackResult& result);
-  void count_views(const LocalMap& local, const LocalSearch& search, const TrackedFrame& frame);
+  bool contradicted(const Atlas& atlas, const Eigen::Vector3d& p_world,
+                    const TrackedFrame& frame) const;
+  void count_views(const Atlas& atlas, const LocalMap& local, const LocalSearch& search,
+                   const TrackedFrame& frame);
   std::vector<PointViews> take_views();
   void set_pose(const Atlas& atlas, TrackedFrame& frame, const LocalMap& local,
                 TrackResult& result);

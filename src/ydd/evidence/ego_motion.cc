@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ydd/evidence/ego_motion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "ydd/optimization/pose_only.h"
+
+namespace ydd {
+namespace {
+
+constexpr double kPixelSigma_px = 1.0;  // of a corner on level 0
+constexpr double kLevelStep = 1.2;
+constexpr int kAlikeBits = 10;  // candidates that look alike
+constexpr double kNearest_m = 0.05;
+constexpr std::size_t kLeastPairs = 3;  // of a piece with a say
+constexpr double kFloor_px = 0.6;       // what many features of a piece cannot average out, ...
+constexpr double kFloor_m = 0.004;      // ... at 1 m, growing with the square of the depth
+constexpr double kNearlyAll = 0.8;      // weighted by how well
+constexpr double kMedianFactor = 1.57;  // variance of a median, by that of a mean
+
+double level_scale(int octave) { return std::pow(kLevelStep, octave); }
+
+Eigen::Vector3d point_of(const Features& features, int i, const Camera& camera) {
+  const auto k = static_cast<std::size_t>(i);
+  return camera.unproject(features.undistorted_px[k].cast<double>(), features.depth_m[k]);
+}
+
+/// Of the candidates that look most alike the one nearest to the expected place; -1: none.
+int choose(const Descriptor& wanted, const Features& now, std::span<const int> candidates,
+           const Eigen::Vector2f& expected_px, int most_bits, std::vector<int>& bits) {
+  bits.clear();
+  int least = most_bits + 1;
+  for (const int c : candidates) {
+    bits.push_back(hamming_distance(wanted, now.descriptors[static_cast<std::size_t>(c)]));
+    least = std::min(least, bits.back());
+  }
+  if (least > most_bits) return -1;
+  int best = -1;
+  float nearest_px2 = std::numeric_limits<float>::infinity();
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    if (bits[k] > std::min(least + kAlikeBits, most_bits)) continue;
+    const auto candidate = static_cast<std::size_t>(candidates[k]);
+    const float px2 = (now.undistorted_px[candidate] - expected_px).squaredNorm();
+    if (px2 >= nearest_px2) continue;
+    nearest_px2 = px2;
+    best = candidates[k];
+  }
+  return best;
+}
+
+/// What a camera that is carried may change of its motion from one frame to the next.
+double likelihood_of_step(const SE3& T_now_then, const SE3& expected) {
+  constexpr double kStep_m = 0.006, kTurn_rad = 0.007, kSay = 0.1;
+  const SE3 off = T_now_then * expected.inverse();
+  const double t = off.translation().norm() / kStep_m, r = off.angle_rad() / kTurn_rad;
+  return 1 - kSay + kSay / (1 + 0.5 * (t * t + r * r));
+}
+
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<FeaturePair> pair_features(const Features& then, const Features& now,
+                                       const KeypointGrid& grid_now, const SE3& T_now_then,
+                                       const Camera& camera, const EvidenceOptions& options) {
+  std::vector<int> owner(now.size(), -1);
+  std::vector<float> owner_px2(now.size(), 0);
+  std::vector<int> candidates, bits;
+  for (std::size_t i = 0; i < then.size(); ++i) {
+    if (!then.has_depth(i)) continue;
+    const Eigen::Vector3d p = T_now_then * point_of(then, static_cast<int>(i), camera);
+    if (p.z() <= kNearest_m) continue;
+    const Eigen::Vector2f px = camera.project(p).cast<float>();
+    const int octave = then.keypoints[i].octave;
+    grid_now.query(now, px.x(), px.y(), static_cast<float>(options.search_px), octave - 1,
+                   octave + 1, candidates);
+    const int k = choose(then.descriptors[i], now, candidates, px, options.descriptor_bits, bits);
+    if (k < 0) continue;
+    const auto found = static_cast<std::size_t>(k);
+    const float px2 = (now.undistorted_px[found] - px).squaredNorm();
+    if (owner[found] >= 0 && owner_px2[found] <= px2) continue;
+    owner[found] = static_cast<int>(i);
+    owner_px2[found] = px2;
+  }
+  std::vector<FeaturePair> pairs;
+  for (std::size_t i = 0; i < owner.size(); ++i) {
+    if (owner[i] >= 0) pairs.push_back({owner[i], static_cast<int>(i)});
+  }
+  return pairs;
+}
+
+PairedPieces::PairedPieces(const Features& then, const Features& now,
+                           std::span<const FeaturePair> pairs, std::span<const int> piece_of,
+                           const Camera& camera, const EvidenceOptions& options)
+    : camera_(camera), options_(options) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (piece_of[i] >= 0) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return piece_of[a] < piece_of[b]; });
+  for (const std::size_t i : order) {
+    if (groups_.empty() || groups_.back().piece != piece_of[i]) {
+      groups_.push_back({piece_of[i], pairs_.size(), 0});
+    }
+    ++groups_.back().count;
+    const auto t = static_cast<std::size_t>(pairs[i].then);
+    const auto k = static_cast<std::size_t>(pairs[i].now);
+    Pair pair;
+    pair.p_then = point_of(then, pairs[i].then, camera);
+    pair.p_now = point_of(now, pairs[i].now, camera);
+    pair.px_now = now.undistorted_px[k].cast<double>();
+    pair.right_px = now.right_px[k];
+    pair.sigma_px = kPixelSigma_px * level_scale(now.keypoints[k].octave);
+    const double s0_m = options.noise.sigma_m(then.depth_m[t]);
+    const double s1_m = options.noise.sigma_m(now.depth_m[k]);
+    pair.variance_m2 = s0_m * s0_m + s1_m * s1_m;
+    pairs_.push_back(pair);
+  }
+  std::erase_if(groups_, [](const Group& g) { return g.count < kLeastPairs; });
+}
+
+double PairedPieces::chi2_of(const Group& group, const SE3& T_now_then) const {
+  std::vector<double> du, dv, dz;
+  for (std::vector<double>* off : {&du, &dv, &dz}) off->reserve(group.count);
+  double precision = 0, variance_m2 = 0, z_m = 0;
+  for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+    const Pair& pair = pairs_[i];
+    const Eigen::Vector3d p = T_now_then * pair.p_then;
+    if (p.z() <= kNearest_m) continue;
+    const Eigen::Vector2d px = camera_.project(p);
+    du.push_back(pair.px_now.x() - px.x());
+    dv.push_back(pair.px_now.y() - px.y());
+    precision += 1.0 / (pair.sigma_px * pair.sigma_px);
+    z_m = p.z();
+    if (pair.p_now.z() <= 0) continue;
+    dz.push_back(pair.p_now.z() - p.z());
+    variance_m2 += pair.variance_m2;
+  }
+  if (du.size() < kLeastPairs) return std::numeric_limits<double>::infinity();
+  const double variance_px2 = kMedianFactor / precision + kFloor_px * kFloor_px;
+  const double u = median_of(du), v = median_of(dv);
+  double chi2 = (u * u + v * v) / variance_px2;
+  if (dz.size() >= kLeastPairs) {
+    const auto n = static_cast<double>(dz.size());
+    const double floor_m = kFloor_m * z_m * z_m;
+    const double z = median_of(dz);
+    chi2 += z * z / (kMedianFactor * variance_m2 / (n * n) + floor_m * floor_m);
+  }
+  return chi2 / excess_;
+}
+
+void PairedPieces::add_depth(const CoarseDepth& now, const Surfaces& surfaces,
+                             std::span<const Eigen::Vector2f> rays, const CoarseDepth& then) {
+  then_depth_ = &then;
+  piece_count_ = surfaces.count;
+  for (int row = 0; row < now.grid.rows; row += 2) {
+    for (int column = (row / 2) % 2; column < now.grid.columns; column += 2) {
+      const auto i = static_cast<std::size_t>(now.grid.index(column, row));
+      if (surfaces.piece[i] < 0) continue;
+      const float z_m = now.z_m[i];
+      cell_points_.emplace_back(rays[i].x() * z_m, rays[i].y() * z_m, z_m);
+      cell_piece_.push_back(surfaces.piece[i]);
+    }
+  }
+}
+
+/// Of each piece, by its depth alone; 1 degree of freedom; negative: it cannot tell.
+std::vector<double> PairedPieces::depth_chi2(const SE3& T_now_then) const {
+  std::vector<double> out(static_cast<std::size_t>(piece_count_), -1.0);
+  if (!then_depth_) return out;
+  struct Sum {
+    float off_m = 0, variance_m2 = 0, z_m = 0;
+    int count = 0;
+  };
+  std::vector<Sum> sums(out.size());
+  const SE3 T_then_now = T_now_then.inverse();
+  const Eigen::Matrix3f rotation = T_then_now.rotation_matrix().cast<float>();
+  const Eigen::Vector3f shift_m = T_then_now.translation().cast<float>();
+  const auto fx = static_cast<float>(camera_.fx_px), fy = static_cast<float>(camera_.fy_px);
+  const auto cx = static_cast<float>(camera_.cx_px), cy = static_cast<float>(camera_.cy_px);
+  for (std::size_t i = 0; i < cell_points_.size(); ++i) {
+    const Eigen::Vector3f p = rotation * cell_points_[i] + shift_m;
+    if (p.z() <= 0.05F) continue;
+    float u = fx * p.x() / p.z() + cx, v = fy * p.y() / p.z() + cy;
+    if (camera_.has_distortion()) {
+      const Eigen::Vector2d px = camera_.distort({u, v});
+      u = static_cast<float>(px.x());
+      v = static_cast<float>(px.y());
+    }
+    const float z_m = surface_depth(*then_depth_, u, v, static_cast<float>(options_.step_share));
+    if (z_m <= 0) continue;
+    const float sigma_m = options_.noise.sigma_m(p.z());
+    Sum& sum = sums[static_cast<std::size_t>(cell_piece_[i])];
+    // Behind something, or before it: clipped, so that a few do not decide.
+    const float most_m = 0.05F + 3 * sigma_m;
+    sum.off_m += std::clamp(p.z() - z_m, -most_m, most_m);
+    sum.variance_m2 += 2 * sigma_m * sigma_m;
+    sum.z_m += z_m;
+    ++sum.count;
+  }
+  for (std::size_t p = 0; p < out.size(); ++p) {
+    const Sum& s = sums[p];
+    if (s.count < 4) continue;
+    const auto n = static_cast<double>(s.count);
+    const double z_m = s.z_m / n, off_m = s.off_m / n;
+    const double floor_m = 0.002 + 0.0007 * z_m * z_m;
+    out[p] = off_m * off_m / (s.variance_m2 / (n * n) + floor_m * floor_m) / excess_;
+  }
+  return out;
+}
+
+std::vector<PieceMotion> PairedPieces::motions(const SE3& T_now_then) const {
+  std::vector<PieceMotion> out;
+  out.reserve(groups_.size());
+  for (const Group& g : groups_) {
+    out.push_back({g.piece, static_cast<int>(g.count), chi2_of(g, T_now_then)});
+  }
+  return out;
+}
+
+SE3 PairedPieces::fitted(const SE3& start, std::span<const int> groups,
+                         std::span<const float> weight) const {
+  std::vector<PoseObservation> observations;
+  double mean = 0;
+  for (const int g : groups) {
+    const Group& group = groups_[static_cast<std::size_t>(g)];
+    mean += weight[static_cast<std::size_t>(group.piece)] / static_cast<double>(group.count) /
+            static_cast<double>(groups.size());
+  }
+  for (const int g : groups) {
+    const Group& group = groups_[static_cast<std::size_t>(g)];
+    const double say = std::clamp(
+        weight[static_cast<std::size_t>(group.piece)] / static_cast<double>(group.count) / mean,
+        0.05, 1.0);
+    for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+      const Pair& pair = pairs_[i];
+      observations.push_back({pair.p_then,
+                              {pair.px_now.x(), pair.px_now.y(), pair.right_px},
+                              say / (pair.sigma_px * pair.sigma_px)});
+    }
+  }
+  PoseOnlyOptions options;
+  options.rounds = 2;
+  options.iterations_per_round = 4;
+  const PoseOnlyResult solved = optimize_pose(camera_, start, observations, options);
+  return solved.inliers >= 6 ? solved.T_camera_world : start;
+}
+
+PairedPieces::Support PairedPieces::support(const SE3& T_now_then,
+                                            std::span<const float> weight) const {
+  std::vector<double> chi2 = depth_chi2(T_now_then);
+  chi2.resize(weight.size(), -1.0);
+  for (const Group& g : groups_) {
+    double& c = chi2[static_cast<std::size_t>(g.piece)];
+    c = std::max(0.0, c) + chi2_of(g, T_now_then);
+  }
+  Support out;
+  for (std::size_t p = 0; p < chi2.size(); ++p) {
+    if (chi2[p] < 0) continue;
+    out.total += weight[p];
+    out.agreeing += weight[p] * std::max(0.0, 1.0 - chi2[p] / options_.still_chi2);
+  }
+  return out;
+}
+
+SE3 PairedPieces::consensus(const SE3& expected, std::span<const float> weight, int proposals,
+                            unsigned seed) const {
+  std::vector<double> reach;
+  for (const Group& g : groups_) {
+    reach.push_back((reach.empty() ? 0.0 : reach.back()) +
+                    weight[static_cast<std::size_t>(g.piece)]);
+  }
+  if (groups_.size() < 3 || reach.back() <= 0) return expected;
+  std::mt19937 random(seed);
+  SE3 best = expected;
+  double most = support(expected, weight).agreeing * likelihood_of_step(expected, expected);
+  const auto try_groups = [&](const SE3& start, std::span<const int> groups) {
+    const SE3 T_now_then = fitted(start, groups, weight);
+    const double sum =
+        support(T_now_then, weight).agreeing * likelihood_of_step(T_now_then, expected);
+    if (sum <= most) return false;
+    most = sum;
+    best = T_now_then;
+    return true;
+  };
+  const auto refine = [&] {
+    for (int round = 0; round < 4; ++round) {
+      std::vector<int> agreeing;
+      for (std::size_t g = 0; g < groups_.size(); ++g) {
+        if (weight[static_cast<std::size_t>(groups_[g].piece)] > 0 &&
+            chi2_of(groups_[g], best) < (round == 0 ? options_.moved_chi2 : options_.still_chi2)) {
+          agreeing.push_back(static_cast<int>(g));
+        }
+      }
+      if (!try_groups(best, agreeing) && round > 0) break;
+    }
+  };
+  refine();
+  // Where nearly all agree, nothing better is to be found.
+  if (most > kNearlyAll * support(best, weight).total) return best;
+  for (int k = 0; k < proposals; ++k) {
+    std::array<int, 4> drawn{};
+    for (int& g : drawn) {
+      const double at = std::generate_canonical<double, 32>(random) * reach.back();
+      g = static_cast<int>(std::upper_bound(reach.begin(), reach.end() - 1, at) - reach.begin());
+    }
+    std::sort(drawn.begin(), drawn.end());
+    if (std::adjacent_find(drawn.begin(), drawn.end()) != drawn.end()) continue;
+    try_groups(expected, drawn);
+  }
+  refine();
+  return best;
+}
+
+}  // namespace ydd

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "ydd/evidence/coarse_depth.h"
+#include "ydd/evidence/evidence_options.h"
+#include "ydd/evidence/surfaces.h"
+#include "ydd/features/matching.h"
+#include "ydd/geometry/se3.h"
+
+namespace ydd {
+
+/// A feature with depth of an earlier frame, found again.
+struct FeaturePair {
+  int then = 0;
+  int now = 0;
+};
+
+/// Looks for the features of `then` that have a depth, around where the room's motion would bring
+/// them (`T_now_then`, as predicted). Of candidates that look alike the one nearest to that place
+/// is taken; no feature of now is taken twice.
+std::vector<FeaturePair> pair_features(const Features& then, const Features& now,
+                                       const KeypointGrid& grid_now, const SE3& T_now_then,
+                                       const Camera& camera, const EvidenceOptions& options);
+
+/// Pairs of one piece of surface, which stands or moves as one.
+struct PieceMotion {
+  int piece = 0;
+  int pairs = 0;
+  double chi2 = 0;  ///< of its middle 3-D residual; 3 degrees of freedom
+};
+
+/// The pairs of two frames, by the pieces of surface that they lie on now.
+class PairedPieces {
+ public:
+  PairedPieces() = default;
+  /// `piece_of` gives for each pair its piece; -1: on none, left out.
+  PairedPieces(const Features& then, const Features& now, std::span<const FeaturePair> pairs,
+               std::span<const int> piece_of, const Camera& camera, const EvidenceOptions& options);
+
+  /// The depth of both frames has a say besides, through every other cell of every other row of
+  /// now. `then` must outlive this.
+  void add_depth(const CoarseDepth& now, const Surfaces& surfaces,
+                 std::span<const Eigen::Vector2f> rays, const CoarseDepth& then);
+
+  /// How well each piece agrees with a motion of the camera alone. Pieces with fewer than
+  /// `least_pairs` are left out.
+  std::vector<PieceMotion> motions(const SE3& T_now_then) const;
+
+  /// What residuals are judged against from now on: by how much this sensor's chi-square exceeds
+  /// what its noise model says (1: not at all).
+  void set_excess(double excess) { excess_ = excess; }
+
+  /// What pieces say of a motion, by weight: each agrees by how far its chi-square is below the
+  /// limit of standing still.
+  struct Support {
+    double agreeing = 0;
+    double total = 0;  ///< of all that can tell
+  };
+  Support support(const SE3& T_now_then, std::span<const float> weight) const;
+
+  /// The motion that most weight of pieces agrees with, with some preference for motions next to
+  /// `expected`. `weight` is that of each piece (by its number): what it vouches for. Four pieces
+  /// at a time propose, unless nearly all agree at once. Every choice follows from `seed`.
+  SE3 consensus(const SE3& expected, std::span<const float> weight, int proposals,
+                unsigned seed) const;
+
+ private:
+  struct Pair {
+    Eigen::Vector3d p_then, p_now;  ///< camera frames, metres; z of now 0: no reading
+    Eigen::Vector2d px_now;         ///< undistorted
+    double right_px = -1, sigma_px = 1, variance_m2 = 0;
+  };
+  struct Group {
+    int piece = 0;
+    std::size_t first = 0, count = 0;  ///< of the pairs
+  };
+  double chi2_of(const Group& group, const SE3& T_now_then) const;
+  SE3 fitted(const SE3& start, std::span<const int> groups, std::span<const float> weight) const;
+
+  Camera camera_;
+  EvidenceOptions options_;
+  std::vector<double> depth_chi2(const SE3& T_now_then) const;
+
+  double excess_ = 1;
+  std::vector<Eigen::Vector3f> cell_points_;
+  std::vector<int> cell_piece_;
+  const CoarseDepth* then_depth_ = nullptr;
+  int piece_count_ = 0;
+  std::vector<Pair> pairs_;  ///< by piece
+  std::vector<Group> groups_;
+};
+
+}  // namespace ydd
