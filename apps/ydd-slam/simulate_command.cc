@@ -73,6 +73,7 @@ void add_simulate_command(CLI::App& app, Job& job) {
   add_shortcut(*command, request, "path", "static, xyz, rpy, halfsphere or room_loop");
   add_shortcut(*command, request, "people", "How many people walk and sit about");
   command->add_flag("--busy", request->busy, "People close to the camera, half the picture");
+  add_shortcut(*command, request, "mover", "none, cabinet, curtain, door, robot or screen");
   add_shortcut(*command, request, "frames", "Length (default: one round of the path)");
   add_shortcut(*command, request, "seed", "Everything random follows from it");
   add_shortcut(*command, request, "depth", "exact or kinect");

@@ -94,7 +94,8 @@ Image<std::uint8_t> mover_mask(const Rendering& rendering, const Scene& scene,
   std::vector<std::uint8_t> ids;
   ids.reserve(rendering.pixels.size());
   for (const RenderedPixel& pixel : rendering.pixels) {
-    const bool mover = pixel.moving && pixel.object >= 0;
+    // A statue is an actor whose object never moves.
+    const bool mover = pixel.moving && pixel.object >= 0 && scene.objects[pixel.object].moving;
     ids.push_back(mover ? static_cast<std::uint8_t>(scene.objects[pixel.object].id) : 0);
   }
   return {camera.width_px, camera.height_px, std::move(ids)};

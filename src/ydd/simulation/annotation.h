@@ -30,7 +30,7 @@ std::vector<SimulatedObject> visible_objects(const Rendering& rendering, const S
                                              int width_px, const std::vector<bool>& moving,
                                              int min_pixels);
 
-/// Ids of what belongs to an actor, 0 elsewhere.
+/// Ids of what belongs to an actor that moves at some time, 0 elsewhere.
 Image<std::uint8_t> mover_mask(const Rendering& rendering, const Scene& scene,
                                const Camera& camera);
 

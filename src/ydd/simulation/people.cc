@@ -10,9 +10,11 @@
 
 #include "ydd/simulation/closed_curve.h"
 #include "ydd/simulation/furniture.h"
+#include "ydd/simulation/gait.h"
 #include "ydd/simulation/motions.h"
 #include "ydd/simulation/person.h"
 #include "ydd/simulation/room.h"
+#include "ydd/simulation/visitors.h"
 
 namespace ydd::sim {
 namespace {
@@ -20,13 +22,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 constexpr double kTurn = 2.0 * std::numbers::pi;
-
-SE3 on_floor(const Vector2d& p, double heading_rad) {
-  // A person's forward is y.
-  return {Eigen::Quaterniond(
-              Eigen::AngleAxisd(heading_rad - 0.5 * std::numbers::pi, Vector3d::UnitZ())),
-          Vector3d(p.x(), p.y(), 0)};
-}
 
 /// Way of a walker: a closed curve, shifted, walked at a speed that swells and fades.
 struct Way {
@@ -62,22 +57,8 @@ PersonPose walk(const Walker& walker, double t) {
   const Vector2d here = walker.way.curve->at(s) + walker.way.shift_m;
   const Vector2d ahead = walker.way.curve->at(s + 0.2) - walker.way.curve->at(s - 0.2);
   const double liveliness = std::min(1.0, walker.way.speed_at(t) / 0.5);
-  const double swing = 0.33 * liveliness;
-  // A cycle is two steps, each as long as the legs open: the standing foot stays where it is.
-  const double leg = (walker.shape.thigh + walker.shape.shin) * walker.shape.scale;
-  const double phase = kTurn * s / (4.0 * leg * std::sin(0.33));
-  PersonPose pose;
+  PersonPose pose = stride(walker.shape, s, liveliness);
   pose.T_world_person = on_floor(here, std::atan2(ahead.y(), ahead.x()));
-  for (int side = 0; side < 2; ++side) {
-    const double p = phase + (side == 0 ? 0.0 : std::numbers::pi);
-    const double lift = std::max(0.0, std::cos(p + 0.4));
-    pose.legs[side].hip = swing * std::sin(p) + 0.1 * liveliness * lift;
-    pose.legs[side].knee = 0.07 + 0.85 * liveliness * lift * lift;
-    pose.legs[side].ankle = 0.75 * (pose.legs[side].knee - pose.legs[side].hip);
-    pose.arms[side].shoulder = -0.9 * swing * std::sin(p);
-    pose.arms[side].elbow = 0.3 + 0.25 * swing * std::sin(p + 0.5);
-  }
-  pose.twist = 0.12 * swing / 0.33 * std::sin(phase);
   pose.head_turn = 0.25 * std::sin(0.9 * t + walker.way.start_m);
   return pose;
 }
@@ -277,6 +258,8 @@ void add_actors(SceneBuilder& builder, const WorldOptions& options, const Cast& 
   for (const Walker& walker : walkers) add_walker(builder, number++, walker);
   for (int i = 0; i < cast.sitters; ++i) add_sitter(builder, number++, 1 - i);
   add_fan(builder, cast.fan_turns);
+  if (options.sit_then_leave) add_leaver(builder, number++);
+  if (options.come_and_stay) add_comer(builder, number++);
 }
 
 }  // namespace ydd::sim

@@ -18,7 +18,7 @@ struct Cast {
 /// From the options: people and busy.
 Cast choose_cast(const WorldOptions& options);
 
-/// Adds people, what they carry and push, and the fan to the scene.
+/// Adds people, what they carry and push, the fan, and who comes or leaves to the scene.
 void add_actors(SceneBuilder& builder, const WorldOptions& options, const Cast& cast);
 
 }  // namespace ydd::sim

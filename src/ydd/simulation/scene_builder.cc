@@ -93,4 +93,11 @@ void SceneBuilder::place(const std::vector<Part>& parts, const SE3& T_world_part
   }
 }
 
+void SceneBuilder::freeze(double time_s) {
+  for (Actor& actor : scene_.actors) {
+    actor.poses = [poses = actor.poses(time_s)](double) { return poses; };
+  }
+  for (SceneObject& object : scene_.objects) object.moving = false;
+}
+
 }  // namespace ydd::sim

@@ -52,6 +52,9 @@ class SceneBuilder {
   void add_actor(Actor actor) { scene_.actors.push_back(std::move(actor)); }
   void add_lamp(const Lamp& lamp) { scene_.lamps.push_back(lamp); }
 
+  /// Turns all actors so far into statues: they stand as at `time_s`, no object moves any more.
+  void freeze(double time_s);
+
   Scene finish() && { return std::move(scene_); }
 
  private:

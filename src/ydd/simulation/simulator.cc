@@ -8,6 +8,7 @@
 #include "ydd/image/decode.h"
 #include "ydd/simulation/annotation.h"
 #include "ydd/simulation/depth_sensor.h"
+#include "ydd/simulation/movers.h"
 #include "ydd/simulation/people.h"
 #include "ydd/simulation/renderer.h"
 #include "ydd/simulation/room.h"
@@ -27,6 +28,8 @@ sim::Scene make_scene(const WorldOptions& options) {
   sim::build_rooms(builder, options, {!cast.pushed_chair, true});
   builder.reseed(sim::Random(sim::mix_bits(static_cast<std::uint64_t>(options.seed), 99)));
   sim::add_actors(builder, options, cast);
+  sim::add_large_mover(builder, options);
+  if (options.frozen_at_s >= 0) builder.freeze(options.frozen_at_s);
   return std::move(builder).finish();
 }
 
@@ -82,6 +85,27 @@ struct Simulator::Impl {
 
   double time_s(int index) const { return 1e-9 * static_cast<double>(offset_ns(index)); }
   std::int64_t offset_ns(int index) const { return 1000 * std::llround(1e6 * index / options.fps); }
+  /// The depth sensor looks at the same time and along the same rays as the colour camera.
+  bool is_depth_aligned() const {
+    return options.registration_off_px <= 0 && options.depth_late_ms <= 0;
+  }
+  sim::Rendering render(const Camera& from, double time, int edge_samples, bool projector) const {
+    return renderer.render(
+        from, path.T_world_camera(time), time,
+        {edge_samples, options.threads, projector, sim::kinect_projector_camera_m()});
+  }
+  /// What the depth sensor looks at instead of what the colour camera sees at `time`.
+  sim::Rendering render_misaligned_depth(double time) const {
+    Camera shifted = camera;
+    shifted.cx_px += options.registration_off_px * options.width_px / 640.0;
+    return render(shifted, time - 1e-3 * options.depth_late_ms, 1,
+                  options.depth == DepthModel::kinect);
+  }
+  DepthImage sense_depth(const sim::Rendering& rendering, int index) const {
+    if (is_covered(options, index)) return no_depth(camera);
+    if (options.depth == DepthModel::exact) return sim::exact_depth(rendering, camera);
+    return sim::kinect_depth(rendering, camera, sim::mix_bits(frame_seed(options, index), 1));
+  }
 
   WorldOptions options;
   Camera camera;
@@ -120,21 +144,16 @@ SimulatedFrame Simulator::render(int index) const {
   const Camera& camera = impl_->camera;
   const sim::Scene& scene = impl_->renderer.scene();
   const double time_s = impl_->time_s(index);
-  const bool kinect = options.depth == DepthModel::kinect;
-  const SE3 T_world_camera = impl_->path.T_world_camera(time_s);
-  const sim::RenderOptions render_options{options.edge_samples, options.threads, kinect,
-                                          sim::kinect_projector_camera_m()};
-  const sim::Rendering rendering =
-      impl_->renderer.render(camera, T_world_camera, time_s, render_options);
+  const bool aligned = impl_->is_depth_aligned();
+  const sim::Rendering rendering = impl_->render(camera, time_s, options.edge_samples,
+                                                 aligned && options.depth == DepthModel::kinect);
   const ColourImage colour = expose(rendering, options, index);
-  const std::uint64_t depth_seed = sim::mix_bits(frame_seed(options, index), 1);
-  DepthImage depth_m = is_covered(options, index) ? no_depth(camera)
-                       : kinect                   ? sim::kinect_depth(rendering, camera, depth_seed)
-                                                  : sim::exact_depth(rendering, camera);
+  DepthImage depth_m =
+      impl_->sense_depth(aligned ? rendering : impl_->render_misaligned_depth(time_s), index);
   const std::vector<bool> moving = impl_->probe.moving_objects(scene, time_s, 1.0 / options.fps);
   SimulatedFrame result;
   result.frame = {index, stamp(index), to_grey(colour), colour, std::move(depth_m)};
-  result.T_world_camera = T_world_camera;
+  result.T_world_camera = impl_->path.T_world_camera(time_s);
   if (!is_covered(options, index)) {
     result.objects = sim::visible_objects(rendering, scene, camera.width_px, moving,
                                           kMinObjectPixels * camera.width_px / 640);

@@ -15,7 +15,7 @@ namespace ydd {
 
 /// A visible thing in one frame, exactly.
 struct SimulatedObject {
-  std::string class_name;  ///< person head hand chair cup fan monitor keyboard mouse book
+  std::string class_name;  ///< person head hand chair cup fan monitor keyboard mouse book thing
   std::string name;        ///< unique: "person0_head"
   int id = 0;              ///< of the whole thing; movers have the ids of the masks, 1 to 255
   bool dynamic = false;    ///< moves in this frame

@@ -12,6 +12,13 @@ void WorldOptions::describe(OptionTable& t) {
   t.add("path", path, "how the camera moves");
   t.add("people", people, {0, 12}, "", "people in the first room");
   t.add("busy", busy, "people 0.9 to 2 m away before a plainer wall; three unless 'people' is set");
+  t.add("mover", mover, "one large thing of no known class that moves, a third of the view");
+  t.add("sit_then_leave", sit_then_leave,
+        "one more person who stands close by for 3 s, then walks out of view for good");
+  t.add("come_and_stay", come_and_stay,
+        "one more person who walks in within 2 s, then stands close by to the end");
+  t.add("frozen_at_s", frozen_at_s, {-1.0, 1e6}, "s",
+        "all that moves stands still as it is at that time; -1: it moves");
   t.add("rooms", rooms, {1, 20}, "", "rooms in a row, joined by doors");
   t.add("repeated_posters", repeated_posters, "every wall carries the same posters");
   t.add("identical_desks", identical_desks, "all desks carry the same things");
@@ -19,6 +26,10 @@ void WorldOptions::describe(OptionTable& t) {
   t.add("texture_detail", texture_detail, {0.05, 4.0}, "",
         "texture resolution; 1 suits the camera");
   t.add("depth", depth, "depth sensor model");
+  t.add("registration_off_px", registration_off_px, {0.0, 20.0}, "px",
+        "depth lies that far to the right of colour; at 640 px width, scaled with it");
+  t.add("depth_late_ms", depth_late_ms, {0.0, 100.0}, "ms",
+        "depth shows the world as it was that long before colour");
   t.add("pixel_noise", pixel_noise, {0.0, 50.0}, "", "standard deviation of a pixel, grey levels");
   t.add("exposure_noise", exposure_noise, {0.0, 0.5}, "", "standard deviation of a frame's gain");
   t.add("covered_from", covered_from, {0, 1e6}, "", "first frame with a covered (black) lens");

@@ -15,6 +15,12 @@ constexpr std::array<std::string_view, 5> choices_of(PathKind) {
 enum class DepthModel { exact, kinect };
 constexpr std::array<std::string_view, 2> choices_of(DepthModel) { return {"exact", "kinect"}; }
 
+/// Large things of no class that detectors know.
+enum class MoverKind { none, cabinet, curtain, door, robot, screen };
+constexpr std::array<std::string_view, 6> choices_of(MoverKind) {
+  return {"none", "cabinet", "curtain", "door", "robot", "screen"};
+}
+
 /// Everything that makes a simulated sequence: the same options give the same bytes.
 struct WorldOptions {
   int seed = 1;
@@ -25,7 +31,12 @@ struct WorldOptions {
   PathKind path = PathKind::xyz;
 
   int people = 0;
-  bool busy = false;  ///< two or three people (or `people`) close to the camera
+  bool busy = false;                  ///< two or three people (or `people`) close to the camera
+  MoverKind mover = MoverKind::none;  ///< close to the camera, a third of the view
+  bool sit_then_leave = false;        ///< one more person: stands for 3 s, then walks away
+  bool come_and_stay = false;         ///< one more person: walks in within 2 s, then stands
+  double frozen_at_s = -1.0;          ///< from 0 on: all that moves stands as at that second
+
   int rooms = 1;
   bool repeated_posters = false;
   bool identical_desks = false;
@@ -33,6 +44,8 @@ struct WorldOptions {
   double texture_detail = 1.0;
 
   DepthModel depth = DepthModel::exact;
+  double registration_off_px = 0.0;  ///< depth lies so far to the right of colour, 640 px wide
+  double depth_late_ms = 0.0;        ///< depth shows the world so long before colour
   double pixel_noise = 1.0;
   double exposure_noise = 0.0;
   int covered_from = 0;    ///< first frame with a covered lens
