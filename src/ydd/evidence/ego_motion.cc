@@ -272,41 +272,41 @@ PairedPieces::Support PairedPieces::support(const SE3& T_now_then,
   return out;
 }
 
+std::vector<int> PairedPieces::agreeing(const SE3& T_now_then, std::span<const float> weight,
+                                        double chi2_limit) const {
+  std::vector<int> groups;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (weight[static_cast<std::size_t>(groups_[g].piece)] <= 0) continue;
+    if (chi2_of(groups_[g], T_now_then) < chi2_limit) groups.push_back(static_cast<int>(g));
+  }
+  return groups;
+}
+
+SE3 PairedPieces::polished(SE3 T_now_then, std::span<const float> weight) const {
+  constexpr double kNoWorse = 0.95;
+  for (const double limit : {options_.moved_chi2, options_.still_chi2, options_.still_chi2}) {
+    const SE3 fit = fitted(T_now_then, agreeing(T_now_then, weight, limit), weight);
+    if (support(fit, weight).agreeing < kNoWorse * support(T_now_then, weight).agreeing) break;
+    T_now_then = fit;
+  }
+  return T_now_then;
+}
+
 SE3 PairedPieces::consensus(const SE3& expected, std::span<const float> weight, int proposals,
                             unsigned seed) const {
   std::vector<double> reach;
   for (const Group& g : groups_) {
-    reach.push_back((reach.empty() ? 0.0 : reach.back()) +
-                    weight[static_cast<std::size_t>(g.piece)]);
+    const double w = weight[static_cast<std::size_t>(g.piece)];
+    reach.push_back((reach.empty() ? 0.0 : reach.back()) + w);
   }
   if (groups_.size() < 3 || reach.back() <= 0) return expected;
-  std::mt19937 random(seed);
-  SE3 best = expected;
-  double most = support(expected, weight).agreeing * likelihood_of_step(expected, expected);
-  const auto try_groups = [&](const SE3& start, std::span<const int> groups) {
-    const SE3 T_now_then = fitted(start, groups, weight);
-    const double sum =
-        support(T_now_then, weight).agreeing * likelihood_of_step(T_now_then, expected);
-    if (sum <= most) return false;
-    most = sum;
-    best = T_now_then;
-    return true;
-  };
-  const auto refine = [&] {
-    for (int round = 0; round < 4; ++round) {
-      std::vector<int> agreeing;
-      for (std::size_t g = 0; g < groups_.size(); ++g) {
-        if (weight[static_cast<std::size_t>(groups_[g].piece)] > 0 &&
-            chi2_of(groups_[g], best) < (round == 0 ? options_.moved_chi2 : options_.still_chi2)) {
-          agreeing.push_back(static_cast<int>(g));
-        }
-      }
-      if (!try_groups(best, agreeing) && round > 0) break;
-    }
-  };
-  refine();
+  const SE3 next_to_it = polished(expected, weight);
+  SE3 best = next_to_it;
+  const Support at_once = support(best, weight);
   // Where nearly all agree, nothing better is to be found.
-  if (most > kNearlyAll * support(best, weight).total) return best;
+  if (at_once.agreeing > kNearlyAll * at_once.total) return best;
+  double most = at_once.agreeing * likelihood_of_step(best, expected);
+  std::mt19937 random(seed);
   for (int k = 0; k < proposals; ++k) {
     std::array<int, 4> drawn{};
     for (int& g : drawn) {
@@ -315,10 +315,13 @@ SE3 PairedPieces::consensus(const SE3& expected, std::span<const float> weight, 
     }
     std::sort(drawn.begin(), drawn.end());
     if (std::adjacent_find(drawn.begin(), drawn.end()) != drawn.end()) continue;
-    try_groups(expected, drawn);
+    const SE3 proposal = fitted(expected, drawn, weight);
+    const double sum = support(proposal, weight).agreeing * likelihood_of_step(proposal, expected);
+    if (sum <= most) continue;
+    most = sum;
+    best = proposal;
   }
-  refine();
-  return best;
+  return polished(best, weight);
 }
 
 }  // namespace ydd

@@ -82,6 +82,11 @@ class PairedPieces {
 
   Camera camera_;
   EvidenceOptions options_;
+  /// The groups with a say whose chi-square is below the limit.
+  std::vector<int> agreeing(const SE3& T_now_then, std::span<const float> weight,
+                            double chi2_limit) const;
+  /// Least squares over what agrees, as long as that loses no support.
+  SE3 polished(SE3 T_now_then, std::span<const float> weight) const;
   std::vector<double> depth_chi2(const SE3& T_now_then) const;
 
   double excess_ = 1;

@@ -9,6 +9,7 @@ namespace ydd {
 namespace {
 
 constexpr double kPairAge_s = 0.33;  // movers have left their place by then, most views remain
+constexpr double kGlance_s = 0.1;    // motion over less than that is seen once and no more
 constexpr std::array<double, 6> kWitnessAges_s = {0.1, 0.2, 0.4, 0.8, 1.6, 3.2};
 constexpr double kLongAgo_s = 0.8;   // what was there then stands still
 constexpr double kJustNow_s = 1.0;   // what has come since then moves
@@ -259,14 +260,15 @@ void MotionEvidence::gather_space(std::span<float> gathered) const {
 
 void MotionEvidence::gather_motions(const Seen& then, const PairedPieces& pieces,
                                     std::span<float> gathered) const {
-  const double age_share = seconds_between(then.stamp, now_->stamp) / kPairAge_s;
-  const auto still_share = static_cast<float>(std::min(1.0, age_share * age_share));
+  const double age_s = seconds_between(then.stamp, now_->stamp);
+  const auto moved_share = static_cast<float>(std::min(1.0, age_s / kGlance_s));
+  const auto still_share = static_cast<float>(std::min(1.0, std::pow(age_s / kPairAge_s, 2)));
   const SE3 T_now_then = now_->T_origin_camera.inverse() * then.T_origin_camera;
   for (const PieceMotion& motion : pieces.motions(T_now_then)) {
     float& piece = gathered[static_cast<std::size_t>(motion.piece)];
     const auto gain =
         static_cast<float>(options_.feature_gain * std::min(kFeaturesOfPiece, motion.pairs));
-    if (motion.chi2 > options_.moved_chi2) piece += gain;
+    if (motion.chi2 > options_.moved_chi2) piece += gain * moved_share;
     if (motion.chi2 < options_.still_chi2) piece -= gain * still_share;
   }
 }
