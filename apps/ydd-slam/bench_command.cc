@@ -35,7 +35,7 @@ void add_bench(CLI::App& parent, Job& job, const std::string& name, const std::s
   command->add_option("--simulated-frames", request->simulated_frames, "Length of these");
   command->add_option("--detector", request->detector,
                       "Detector YAML; default: boxes recorded beside the sequence "
-                      "(detections.jsonl, detections_gt.jsonl)");
+                      "(detections.jsonl, detections_gt.jsonl); none: no boxes");
   command->add_option("--detector-set", request->detector_set, "Set one detector option: key=value")
       ->allow_extra_args(false);
   command->add_option("--runs", request->runs, "Runs per figure (the median is given)")
@@ -101,8 +101,8 @@ void add_bench_command(CLI::App& app, Job& job) {
       "  ydd-slam bench detection samples/office_crowd --runs 3\n"
       "  ydd-slam bench speed rgbd_dataset_freiburg1_xyz --against loop.enabled=false\n"
       "  ydd-slam bench loops --seeds 20");
-  add_bench(*command, job, "ablation", "ATE and RPE of the variants off, box, person, full",
-            &bench_ablation, true);
+  add_bench(*command, job, "ablation",
+            "ATE and RPE of the variants off, box, person, full, evidence", &bench_ablation, true);
   add_bench(*command, job, "dynamics", "Recall and precision of rejected points per variant",
             &bench_dynamics, true);
   add_bench(*command, job, "detection",

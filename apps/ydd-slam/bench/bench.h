@@ -14,7 +14,7 @@ namespace ydd::app {
 struct BenchCase {
   std::string name;
   std::filesystem::path folder;
-  std::filesystem::path detections;  ///< recording
+  std::filesystem::path detections;  ///< recording; empty: no boxes
 };
 
 /// What the bench commands have in common.
@@ -22,7 +22,7 @@ struct BenchRequest {
   std::vector<std::string> sequences;
   int simulated = 0;  ///< busy rooms to render and add, seeds 1, 2, ...
   int simulated_frames = 200;
-  std::string detector;  ///< detector file; empty: recorded boxes beside the sequence
+  std::string detector;  ///< detector file; empty: recorded boxes beside the sequence; none: blind
   std::vector<std::string> detector_set;  ///< key=value for the detector
   std::string detect;        ///< of speed: every-frame or asynchronous; empty: as configured
   bool boxes_needed = true;  ///< a sequence without boxes is an error
@@ -30,6 +30,8 @@ struct BenchRequest {
   std::string out;  ///< JSON file; empty: none
   std::vector<std::string> set;
   std::vector<std::string> against;  ///< of speed: what configuration B sets beyond A
+
+  bool blind() const;  ///< nothing is detected
 };
 
 /// The cases of a request: sequences as given, simulated rooms rendered into `scratch`, detections
@@ -37,7 +39,10 @@ struct BenchRequest {
 Result<std::vector<BenchCase>> prepare_cases(const BenchRequest& request,
                                              const std::filesystem::path& scratch);
 
-/// ATE and RPE of the four variants on every case, median of several runs, as a Markdown table.
+/// Those of `variants` that can be told apart by a request: blind, the ones that do without boxes.
+std::vector<Variant> variants_of(const BenchRequest& request, std::vector<Variant> variants);
+
+/// ATE and RPE of the variants on every case, median of several runs, as a Markdown table.
 Result<std::string> bench_ablation(const BenchRequest& request,
                                    const std::filesystem::path& scratch);
 
@@ -45,8 +50,7 @@ Result<std::string> bench_ablation(const BenchRequest& request,
 Result<std::string> bench_dynamics(const BenchRequest& request,
                                    const std::filesystem::path& scratch);
 
-/// Judges the points of a sequence that has a folder `mask`. With a latency above 0 the boxes come
-/// from a detector that needs so many frames, and are carried on meanwhile.
+/// Judges the points of a sequence that has a folder `mask` (decide_points).
 Result<PointDecisions> judge_sequence(const BenchCase& bench_case, Variant variant,
                                       const std::vector<std::string>& set, int latency_frames);
 

@@ -6,6 +6,7 @@
 
 #include "bench/bench.h"
 #include "bench/figures.h"
+#include "common/default_detector.h"
 #include "run/run_job.h"
 #include "ydd/base/log.h"
 #include "ydd/base/timing.h"
@@ -18,8 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kVariants[] = {"off", "box", "person", "full"};
-
 /// Figures of several runs of one variant on one sequence.
 struct Figures {
   std::vector<double> ate_m, rpe_m, rpe_deg, tracked_share;
@@ -30,6 +29,7 @@ Result<void> add_run(const BenchCase& bench_case, const std::string& variant,
   RunRequest request;
   request.sequence = bench_case.folder.string();
   request.detections = bench_case.detections.string();
+  if (request.detections.empty()) request.detector = kNoDetector;
   request.dynamic = variant;
   request.set = set;
   request.out = folder.string();
@@ -73,8 +73,11 @@ Result<std::string> bench_ablation(const BenchRequest& request, const fs::path& 
       "| sequence | variant | ATE RMSE m, median | spread | RPE m/s | RPE deg/s | tracked |\n"
       "| --- | --- | --- | --- | --- | --- | --- |\n";
   Json json = Json::array();
+  const std::vector<Variant> variants = variants_of(
+      request, {Variant::off, Variant::box, Variant::person, Variant::full, Variant::evidence});
   for (const BenchCase& bench_case : *cases) {
-    for (const char* variant : kVariants) {
+    for (const Variant choice : variants) {
+      const std::string variant(to_string(choice));
       Figures figures;
       for (int run = 0; run < request.runs; ++run) {
         if (auto r = add_run(bench_case, variant, request.set, scratch / "run", figures); !r) {

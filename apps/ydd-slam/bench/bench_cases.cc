@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "bench/bench.h"
+#include "common/default_detector.h"
 #include "ydd/base/log.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/dataset/frame_source.h"
@@ -50,6 +51,14 @@ Result<fs::path> record(const BenchRequest& request, const fs::path& folder, con
   return file;
 }
 
+/// Empty: there are none.
+Result<fs::path> boxes_for(const BenchRequest& request, const fs::path& folder,
+                           const fs::path& file) {
+  if (request.blind()) return fs::path();
+  if (request.detector.empty()) return recorded_beside(folder, request.boxes_needed);
+  return record(request, folder, file);
+}
+
 Result<fs::path> simulate_busy_room(int seed, int frames, const fs::path& folder) {
   log::info("rendering busy room {}", seed);
   WorldOptions options;
@@ -67,6 +76,13 @@ Result<fs::path> simulate_busy_room(int seed, int frames, const fs::path& folder
 
 }  // namespace
 
+bool BenchRequest::blind() const { return detector == kNoDetector; }
+
+std::vector<Variant> variants_of(const BenchRequest& request, std::vector<Variant> variants) {
+  if (request.blind()) std::erase_if(variants, needs_boxes);
+  return variants;
+}
+
 Result<std::vector<BenchCase>> prepare_cases(const BenchRequest& request, const fs::path& scratch) {
   std::vector<fs::path> folders(request.sequences.begin(), request.sequences.end());
   for (int seed = 1; seed <= request.simulated; ++seed) {
@@ -78,9 +94,7 @@ Result<std::vector<BenchCase>> prepare_cases(const BenchRequest& request, const 
   std::vector<BenchCase> cases;
   for (const fs::path& folder : folders) {
     const std::string name = fs::weakly_canonical(folder).filename().string();
-    const Result<fs::path> detections = request.detector.empty()
-                                            ? recorded_beside(folder, request.boxes_needed)
-                                            : record(request, folder, scratch / (name + ".jsonl"));
+    const Result<fs::path> detections = boxes_for(request, folder, scratch / (name + ".jsonl"));
     if (!detections) return detections.error();
     cases.push_back({name, folder, *detections});
   }

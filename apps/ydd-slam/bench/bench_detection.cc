@@ -89,6 +89,7 @@ Result<std::vector<double>> ate_of_runs(const BenchCase& bench_case, const Bench
 }
 
 Result<std::string> bench_detection(const BenchRequest& request, const fs::path& scratch) {
+  if (request.blind()) return Error{"bench detection: needs boxes; leave out --detector none"};
   const Result<std::vector<BenchCase>> cases = prepare_cases(request, scratch);
   if (!cases) return cases.error();
   std::string table =

@@ -26,8 +26,10 @@ Result<std::string> bench_dynamics(const BenchRequest& request, const fs::path& 
       "kept | the same off silhouettes | decision ms, median | extraction ms |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- |\n";
   Json json = Json::array();
+  const std::vector<Variant> variants =
+      variants_of(request, {Variant::box, Variant::person, Variant::full, Variant::evidence});
   for (const BenchCase& bench_case : *cases) {
-    for (const Variant variant : {Variant::box, Variant::person, Variant::full}) {
+    for (const Variant variant : variants) {
       const Result<PointDecisions> result = judge_sequence(bench_case, variant, request.set, 0);
       if (!result) return result.error();
       const PointQuality& q = result->quality;

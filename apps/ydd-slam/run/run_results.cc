@@ -91,8 +91,10 @@ std::string Attempts::failures() const { return fmt::format("{}", fmt::join(fail
 std::string summary_of(const RunResults& results, bool has_detector, double wall_s) {
   const RunRequest& request = results.request;
   const SystemOptions& options = results.configuration.options;
+  const Variant asked = options.dynamics.variant;
+  const Variant variant = has_detector ? asked : without_boxes(asked);
   RunDescription run{results.sequence.name(),
-                     std::string(to_string(has_detector ? options.dynamics.variant : Variant::off)),
+                     std::string(to_string(variant)),
                      request.detector + request.detections,  // one is empty
                      options.deterministic,
                      request.realtime,

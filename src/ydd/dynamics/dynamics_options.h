@@ -15,6 +15,12 @@ enum class Variant { off, box, person, full, evidence };
 constexpr std::array<std::string_view, 5> choices_of(Variant) {
   return {"off", "box", "person", "full", "evidence"};
 }
+/// Whether the variant rejects nothing unless something is detected.
+constexpr bool needs_boxes(Variant variant) {
+  return variant != Variant::off && variant != Variant::evidence;
+}
+/// What a run without boxes makes of the variant that it was asked for.
+constexpr Variant without_boxes(Variant asked) { return needs_boxes(asked) ? Variant::off : asked; }
 
 /// Section 3: where an object's depth is sampled.
 struct ObjectDepthOptions {

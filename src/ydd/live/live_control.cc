@@ -46,7 +46,7 @@ Result<LiveCommand> parse_live_command(std::string_view text) {
   return Error{
       fmt::format("command '{}': must be pause, resume, step, reset, save map, quit, localize "
                   "on|off or variant "
-                  "off|box|person|full",
+                  "off|box|person|full|evidence",
                   on_one_line(text))};
 }
 

@@ -92,7 +92,7 @@ struct LiveScene {
   Camera camera;
   ObjectCatalogue catalogue;
   StampedPoses groundtruth;        ///< in a world of its own; may be empty
-  bool has_detector = false;       ///< without one every variant is "off"
+  bool has_detector = false;       ///< without one variants that need boxes are "off"
   std::filesystem::path map_file;  ///< that "save map" writes
 };
 

@@ -10,7 +10,7 @@ namespace {
 TEST(LiveCommand, TextAndBack) {
   for (const char* const text :
        {"pause", "resume", "step", "reset", "save map", "localize on", "localize off", "quit",
-        "variant off", "variant box", "variant person", "variant full"}) {
+        "variant off", "variant box", "variant person", "variant full", "variant evidence"}) {
     const Result<LiveCommand> command = parse_live_command(text);
     ASSERT_TRUE(command) << text;
     EXPECT_EQ(to_string(*command), text);

@@ -154,6 +154,7 @@ void append_float(std::string& out, double value) {
 std::string live_state_json(const LiveScene& scene, const LiveFrame& live) {
   const FrameReport& report = *live.report;
   const LiveStatus& status = live.status;
+  const Variant variant = scene.has_detector ? status.variant : without_boxes(status.variant);
   Json stages = Json::object();
   for (const StageTime& time : report.times) stages[time.stage] = rounded(time.wall_ms, 100);
   return text_of({{"sequence", scene.sequence},
@@ -165,7 +166,7 @@ std::string live_state_json(const LiveScene& scene, const LiveFrame& live) {
                   {"paused", status.paused},
                   {"localization_only", status.localization_only},
                   {"finished", status.finished},
-                  {"variant", std::string(to_string(status.variant))},
+                  {"variant", std::string(to_string(variant))},
                   {"has_detector", scene.has_detector},
                   {"fps", rounded(status.frames_per_second, 10)},
                   {"message", status.message},

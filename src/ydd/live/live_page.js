@@ -64,7 +64,10 @@ function showState() {
   $('pause').textContent = state.paused ? 'Resume' : 'Pause';
   $('localize').checked = state.localization_only;
   for (const id of ['pause', 'step', 'reset', 'localize', 'keep-map', 'quit']) $(id).disabled = state.finished;
-  $('variant').disabled = state.finished || !state.has_detector;
+  $('variant').disabled = state.finished;
+  for (const option of $('variant').options) {
+    option.disabled = !state.has_detector && !['off', 'evidence'].includes(option.value);
+  }
   if (document.activeElement !== $('variant')) $('variant').value = state.variant;
   const rejected = rejectedCount(), all = rejected + state.kept;
   card('frame', state.frames ? state.frame + 1 + ' / ' + state.frames : state.frame + 1);

@@ -18,7 +18,9 @@ struct AnnotateExtras {
 };
 
 /// The frame's picture with boxes by category, person centres, kept points, rejected points in the
-/// colour of their rule (a legend names those that occur), and a line of state.
+/// colour of their rule (a legend names those that occur), and a line of state. With variant
+/// `evidence` also what it found: for each object whether it moves and how likely that is, and a
+/// tint over surfaces that do.
 ColourImage annotate(const RgbdFrame& frame, const FrameReport& report,
                      const ObjectCatalogue& catalogue, const AnnotateExtras& extras = {});
 

@@ -2,6 +2,8 @@
 #include "ydd/pictures/annotate.h"
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -115,6 +117,65 @@ TEST(Annotate, ShowsBoxesAndLeavesTheFrameAlone) {
   EXPECT_EQ(scene.frame.colour(200, 120), kBlack);
   EXPECT_EQ(picture.width(), 320);
   EXPECT_EQ(picture.height(), 240);
+}
+
+/// Pixels of a rectangle whose strongest channel is `channel` (of blue, green, red) and bright.
+int coloured(const ColourImage& picture, const Box& box, std::size_t channel) {
+  int n = 0;
+  for (int y = static_cast<int>(box.y0); y < static_cast<int>(box.y1); ++y) {
+    for (int x = static_cast<int>(box.x0); x < static_cast<int>(box.x1); ++x) {
+      const Bgr pixel = picture(x, y);
+      const auto others = std::max(pixel[(channel + 1) % 3], pixel[(channel + 2) % 3]);
+      n += pixel[channel] > 150 && pixel[channel] > 2 * others ? 1 : 0;
+    }
+  }
+  return n;
+}
+
+ObjectJudgement object_with(std::optional<float> log_odds, Rule rule) {
+  ObjectJudgement object;
+  object.box = {150, 80, 300, 180};
+  object.rule = rule;
+  object.log_odds = log_odds;
+  return object;
+}
+
+TEST(Annotate, TellsInAnObjectsCornerWhetherItMoves) {
+  const Box corner{150, 80, 280, 96}, below{150, 96, 280, 112}, rest{0, 112, 320, 240};
+  Scene scene;
+  scene.report.judgement.objects = {object_with(std::nullopt, Rule::body_depth)};
+  EXPECT_EQ(coloured(scene.draw(), corner, 2), 0);
+  scene.report.judgement.objects = {object_with(2.0F, Rule::body_depth)};
+  EXPECT_GT(coloured(scene.draw(), corner, 2), 30);
+  EXPECT_EQ(coloured(scene.draw(), corner, 1), 0);
+  scene.report.judgement.objects.push_back(object_with(-3.5F, Rule::kept));
+  const ColourImage both = scene.draw();
+  EXPECT_GT(coloured(both, corner, 2), 30);
+  EXPECT_EQ(coloured(both, corner, 1), 0);
+  EXPECT_GT(coloured(both, below, 1), 30) << "of two in one place the second stands below";
+  EXPECT_EQ(coloured(both, rest, 1) + coloured(both, rest, 2), 0);
+}
+
+TEST(Annotate, TintsSurfacesThatMove) {
+  Scene scene;
+  MotionOdds odds;
+  odds.depth.grid = CellGrid(320, 240, 8);
+  odds.log_odds.assign(static_cast<std::size_t>(odds.depth.grid.cells()), 0.0F);
+  odds.moves.assign(odds.log_odds.size(), 0);
+  odds.moves[static_cast<std::size_t>(odds.depth.grid.index(25, 12))] = 1;
+  scene.report.odds = std::make_shared<const MotionOdds>(odds);
+  const ColourImage picture = scene.draw();
+  const Bgr tint = colour_of(Rule::seen_moving);
+  for (const int px : {0, 7}) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(picture(200 + px, 96 + px)[c], 0.3 * tint[c], 1);
+    }
+  }
+  EXPECT_EQ(picture(199, 100), kBlack);
+  EXPECT_EQ(picture(208, 100), kBlack);
+  EXPECT_EQ(scene.frame.colour(200, 96), kBlack);
+  scene.report.odds = std::make_shared<const MotionOdds>();
+  EXPECT_EQ(scene.draw()(200, 96), kBlack) << "nothing is known yet";
 }
 
 TEST(Annotate, PointsAtAndBeyondTheBorderAreCutOff) {

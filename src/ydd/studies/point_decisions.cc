@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/point_decisions.h"
 
+#include <memory>
+#include <optional>
+#include <utility>
+
 #include "ydd/base/timing.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/dataset/frame_source.h"
 #include "ydd/detection/recorded_detections.h"
+#include "ydd/dynamics/evidence_rules.h"
 #include "ydd/dynamics/judge.h"
+#include "ydd/evidence/motion_evidence.h"
 #include "ydd/features/orb_extractor.h"
 #include "ydd/image/decode.h"
 #include "ydd/objects/box_carrier.h"
@@ -36,6 +42,16 @@ std::vector<Box> person_boxes(const Detections& detections) {
   return boxes;
 }
 
+/// Replays the recording; without one there is never a box.
+Result<RecordedDetector> recorded_boxes(const std::filesystem::path& file) {
+  if (file.empty()) {
+    return RecordedDetector(DetectionRecording({}), "no boxes", {.missing_is_empty = true});
+  }
+  Result<DetectionRecording> recording = DetectionRecording::read(file);
+  if (!recording) return recording.error();
+  return RecordedDetector(std::move(*recording), file.string());
+}
+
 /// Boxes as a detector gives them that is so many frames late.
 class LateBoxes {
  public:
@@ -64,6 +80,31 @@ class LateBoxes {
   RgbdFrame asked_frame_;
 };
 
+/// The judge with the evidence beside it that variant `evidence` asks. Nobody tracks here: how the
+/// camera moves is what the evidence itself finds.
+class JudgeWithEvidence {
+ public:
+  JudgeWithEvidence(const DynamicsOptions& options, const Camera& camera)
+      : judge_(options, ObjectCatalogue::defaults()), evidence_(options.evidence, camera) {}
+
+  int budget() const { return judge_.budget(); }
+
+  Judgement judge(const std::shared_ptr<const Features>& features, const Detections& detections,
+                  const RgbdFrame& frame) {
+    if (judge_.options().variant != Variant::evidence) {
+      return judge_.judge(*features, detections, frame.depth_m);
+    }
+    const MotionOdds odds = evidence_.look(features, frame.depth_m, frame.stamp);
+    Judgement judgement = judge_.judge(*features, detections, frame.depth_m, &odds);
+    evidence_.settle(std::nullopt, prior_of_cells(judgement.regions, odds));
+    return judgement;
+  }
+
+ private:
+  DynamicsJudge judge_;
+  MotionEvidence evidence_;
+};
+
 }  // namespace
 
 Result<PointDecisions> decide_points(const std::filesystem::path& folder,
@@ -73,11 +114,10 @@ Result<PointDecisions> decide_points(const std::filesystem::path& folder,
   if (!sequence) return sequence.error();
   const Result<Camera> camera = find_camera(folder);
   if (!camera) return camera.error();
-  Result<DetectionRecording> recording = DetectionRecording::read(detections_file);
-  if (!recording) return recording.error();
-  LateBoxes boxes({std::move(*recording), detections_file.string()}, options.detect,
-                  latency_frames);
-  DynamicsJudge judge(options.dynamics, ObjectCatalogue::defaults());
+  Result<RecordedDetector> recorded = recorded_boxes(detections_file);
+  if (!recorded) return recorded.error();
+  LateBoxes boxes(std::move(*recorded), options.detect, latency_frames);
+  JudgeWithEvidence judge(options.dynamics, *camera);
   OrbExtractor extractor(options.orb);
   PointDecisions result;
   FrameSource source(*sequence, *camera);
@@ -89,16 +129,16 @@ Result<PointDecisions> decide_points(const std::filesystem::path& folder,
     if (!detections) return detections.error();
     StageTimes times;
     StageTimer extract_timer(times, "extract");
-    const Features features = with_geometry(extractor.extract((*frame)->grey, judge.budget()),
-                                            *camera, (*frame)->depth_m);
+    const auto features = std::make_shared<const Features>(with_geometry(
+        extractor.extract((*frame)->grey, judge.budget()), *camera, (*frame)->depth_m));
     extract_timer.stop();
     StageTimer judge_timer(times, "judge");
-    const Judgement judgement = judge.judge(features, *detections, (*frame)->depth_m);
+    const Judgement judgement = judge.judge(features, *detections, **frame);
     judge_timer.stop();
     result.extract_ms.push_back(times[0].cpu_ms);
     result.judge_ms.push_back(times[1].cpu_ms);
     result.quality +=
-        point_quality(judgement.rules, features.keypoints, *mask, person_boxes(*detections));
+        point_quality(judgement.rules, features->keypoints, *mask, person_boxes(*detections));
   }
   return result;
 }

@@ -17,8 +17,9 @@ struct PointDecisions {
 };
 
 /// Judges the points of a sequence that has a folder `mask` (the instance of what moves at every
-/// pixel, 0: nothing) by recorded boxes. With a latency above 0 the boxes come from a detector that
-/// needs so many frames, and are carried on meanwhile.
+/// pixel, 0: nothing) by recorded boxes; without a file there are none. With a latency above 0 the
+/// boxes come from a detector that needs so many frames, and are carried on meanwhile. Nothing is
+/// tracked: variant `evidence` finds out by itself how the camera moves.
 Result<PointDecisions> decide_points(const std::filesystem::path& folder,
                                      const std::filesystem::path& detections_file,
                                      const SystemOptions& options, int latency_frames);

@@ -49,6 +49,20 @@ TEST_F(PointDecisionsOf, ABusyRoomBeatItsBoxes) {
   const PointDecisions box = decide(Variant::box), full = decide(Variant::full);
   EXPECT_GT(full.quality.recall(), 0.9);
   EXPECT_GT(full.quality.precision(), box.quality.precision());
+  EXPECT_GT(decide(Variant::evidence).quality.recall(), 0.8);
+}
+
+TEST_F(PointDecisionsOf, EvidenceNeedsNoBoxes) {
+  const auto blind = [&](Variant variant) {
+    SystemOptions options;
+    options.dynamics.variant = variant;
+    const auto decisions = decide_points(folder_, {}, options, 0);
+    EXPECT_TRUE(decisions.ok()) << decisions.error().message;
+    return decisions ? decisions->quality : PointQuality();
+  };
+  EXPECT_EQ(blind(Variant::full).recall(), 0.0);
+  EXPECT_GT(blind(Variant::evidence).recall(), 0.3);
+  EXPECT_GT(blind(Variant::evidence).precision(), 0.5);
 }
 
 TEST_F(PointDecisionsOf, LateBoxesAreWorseButNotUseless) {

@@ -114,7 +114,15 @@ void RunRecorder::add(const FrameReport& report, const MapSize& map) {
   }
   frames_.push_back({report.index, report.stamp, report.track.state, report.keyframe,
                      report.requested, report.track.inliers, report.filtered->kept->size(), rules,
-                     map, report.times});
+                     count_objects(report.judgement), map, report.times});
+}
+
+RunRecorder::Objects RunRecorder::count_objects(const Judgement& judgement) {
+  Objects objects;
+  for (const ObjectJudgement& object : judgement.objects) {
+    if (object.log_odds) ++(object.rule == Rule::kept ? objects.still : objects.moving);
+  }
+  return objects;
 }
 
 void RunRecorder::add_skipped(std::int64_t frame, const std::string& reason) {
@@ -235,6 +243,8 @@ std::string RunRecorder::frames_json() const {
       {"kept", list([](const Frame& f) { return f.kept; })},
       {"inliers", list([](const Frame& f) { return f.inliers; })},
       {"rejected", rejected},
+      {"objects_moving", list([](const Frame& f) { return f.objects.moving; })},
+      {"objects_still", list([](const Frame& f) { return f.objects.still; })},
       {"keyframes", list([](const Frame& f) { return f.map.keyframes; })},
       {"points", list([](const Frame& f) { return f.map.points; })},
       {"total_wall_ms", stage("total", &StageTime::wall_ms)},

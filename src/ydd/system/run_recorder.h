@@ -15,7 +15,7 @@ namespace ydd {
 /// What a run was asked to do, for its summary.
 struct RunDescription {
   std::string sequence;
-  std::string variant;   ///< off | box | person | full
+  std::string variant;   ///< off | box | person | full | evidence
   std::string detector;  ///< file of the detector or recording; empty: none
   bool deterministic = false;
   bool realtime = false;
@@ -48,8 +48,10 @@ class RunRecorder {
   /// tracker per frame and of the mapper per keyframe, and the series behind them.
   std::string timings_json(const SlamSystem& system) const;
   /// One list per property, one entry per processed frame: index, stamp_s, state, keyframe,
-  /// requested, kept, inliers, keyframes, points, total_wall_ms; and lists by name in rejected
-  /// (rule) and stages_cpu_ms (null where a stage did not run).
+  /// requested, kept, inliers, objects_moving and objects_still (detected objects whose odds to
+  /// move are known, by what they are judged to do: variant `evidence`), keyframes, points,
+  /// total_wall_ms; and lists by name in rejected (rule) and stages_cpu_ms (null where a stage did
+  /// not run).
   std::string frames_json() const;
 
   int frames_in() const { return processed_ + dropped_ + static_cast<int>(skipped_.size()); }
@@ -63,6 +65,10 @@ class RunRecorder {
   struct Series {
     std::vector<double> wall_ms, cpu_ms;
   };
+  /// Detected objects whose odds to move are known.
+  struct Objects {
+    int moving = 0, still = 0;
+  };
   /// What is recorded of a single frame.
   struct Frame {
     std::int64_t index = 0;
@@ -72,9 +78,11 @@ class RunRecorder {
     int requested = 0, inliers = 0;
     std::size_t kept = 0;
     std::array<int, kRuleCount> rules{};
+    Objects objects;
     MapSize map;
     StageTimes times;
   };
+  static Objects count_objects(const Judgement& judgement);
   static std::map<std::string, Series> mapper_series(const SlamSystem& system);
 
   int processed_ = 0;

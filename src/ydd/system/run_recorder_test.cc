@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/system/run_recorder.h"
 
+#include <memory>
+#include <optional>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -99,6 +102,28 @@ TEST(RunRecorder, TimingsHoldStatisticsAndSeries) {
     EXPECT_EQ(r.timings.at("series").at("per_keyframe").at(stage).size(), keyframes) << stage;
     EXPECT_EQ(r.timings.at("per_keyframe").at(stage).at("cpu_ms").at("count"), keyframes);
   }
+}
+
+TEST(RunRecorder, FramesTellWhatObjectsWereFoundToDo) {
+  FrameReport report;
+  report.filtered = std::make_shared<const FilteredFeatures>(
+      FilteredFeatures{std::make_shared<const Features>(), {}});
+  const auto object = [](Rule rule, std::optional<float> log_odds) {
+    ObjectJudgement out;
+    out.rule = rule;
+    out.log_odds = log_odds;
+    return out;
+  };
+  report.judgement.objects = {object(Rule::body_depth, 2.0F), object(Rule::kept, -3.0F),
+                              object(Rule::moved_by_hand, 0.5F), object(Rule::kept, std::nullopt),
+                              object(Rule::body_depth, std::nullopt)};
+  RunRecorder recorder;
+  recorder.add(report);
+  report.judgement.objects.clear();
+  recorder.add(report);
+  const json frames = json::parse(recorder.frames_json());
+  EXPECT_EQ(frames.at("objects_moving"), (json{2, 0}));
+  EXPECT_EQ(frames.at("objects_still"), (json{1, 0}));
 }
 
 TEST(RunRecorder, NothingRecordedIsStillJson) {

@@ -139,7 +139,11 @@ void draw_state(const PanelFacts& facts) {
   if (facts.loops > 0) ImGui::Text("%d loop edges", facts.loops);
   if (facts.maps > 1) ImGui::Text("%d maps", facts.maps);
   if (facts.error_rmse_m) ImGui::Text("ATE so far %.1f cm", 100 * *facts.error_rmse_m);
-  if (!facts.has_detector) ImGui::TextDisabled("no detector: nothing is rejected");
+  if (!facts.has_detector) {
+    ImGui::TextDisabled(live.status.variant == Variant::evidence
+                            ? "no detector: what is seen to move is rejected"
+                            : "no detector: nothing is rejected");
+  }
   if (!live.status.message.empty()) ImGui::TextDisabled("%s", live.status.message.c_str());
 }
 

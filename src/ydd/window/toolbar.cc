@@ -52,16 +52,18 @@ void draw_playback(const LiveStatus& status, PanelRequests& requests) {
 }
 
 void draw_variants(const PanelFacts& facts, PanelRequests& requests) {
-  if (!facts.has_detector) return;
   gap();
   ImGui::AlignTextToFramePadding();
   ImGui::TextDisabled("reject");
   ImGui::SameLine();
   const LiveStatus& status = facts.live->status;
+  const Variant now = facts.has_detector ? status.variant : without_boxes(status.variant);
   ImGui::BeginDisabled(status.finished);
-  for (const Variant variant : {Variant::off, Variant::box, Variant::person, Variant::full}) {
+  for (const Variant variant :
+       {Variant::off, Variant::box, Variant::person, Variant::full, Variant::evidence}) {
+    if (!facts.has_detector && needs_boxes(variant)) continue;
     const std::string name(to_string(variant));
-    if (choice(name.c_str(), status.variant == variant) && status.variant != variant) {
+    if (choice(name.c_str(), now == variant) && now != variant) {
       requests.commands.emplace_back(live::SetVariant{variant});
     }
     tooltip("What is rejected as moving, from the next frame on");
