@@ -128,32 +128,31 @@ PairedPieces::PairedPieces(const Features& then, const Features& now,
   std::erase_if(groups_, [](const Group& g) { return g.count < kLeastPairs; });
 }
 
-double PairedPieces::chi2_of(const Group& group, const SE3& T_now_then) const {
-  std::vector<double> du, dv, dz;
-  for (std::vector<double>* off : {&du, &dv, &dz}) off->reserve(group.count);
+double PairedPieces::chi2_of(const Group& group, const SE3& T_now_then, Residuals& off) const {
+  for (std::vector<double>* residuals : {&off.du_px, &off.dv_px, &off.dz_m}) residuals->clear();
   double precision = 0, variance_m2 = 0, z_m = 0;
   for (std::size_t i = group.first; i < group.first + group.count; ++i) {
     const Pair& pair = pairs_[i];
     const Eigen::Vector3d p = T_now_then * pair.p_then;
     if (p.z() <= kNearest_m) continue;
     const Eigen::Vector2d px = camera_.project(p);
-    du.push_back(pair.px_now.x() - px.x());
-    dv.push_back(pair.px_now.y() - px.y());
+    off.du_px.push_back(pair.px_now.x() - px.x());
+    off.dv_px.push_back(pair.px_now.y() - px.y());
     precision += 1.0 / (pair.sigma_px * pair.sigma_px);
     z_m = p.z();
     if (pair.p_now.z() <= 0) continue;
-    dz.push_back(pair.p_now.z() - p.z());
+    off.dz_m.push_back(pair.p_now.z() - p.z());
     variance_m2 += pair.variance_m2;
   }
-  if (du.size() < kLeastPairs) return std::numeric_limits<double>::infinity();
+  if (off.du_px.size() < kLeastPairs) return std::numeric_limits<double>::infinity();
   const double variance_px2 = kMedianFactor / precision + kFloor_px * kFloor_px;
-  const double u = median_of(du), v = median_of(dv);
-  double chi2 = (u * u + v * v) / variance_px2;
-  if (dz.size() >= kLeastPairs) {
-    const auto n = static_cast<double>(dz.size());
+  const double u_px = median_of(off.du_px), v_px = median_of(off.dv_px);
+  double chi2 = (u_px * u_px + v_px * v_px) / variance_px2;
+  if (off.dz_m.size() >= kLeastPairs) {
+    const auto n = static_cast<double>(off.dz_m.size());
     const double floor_m = kFloor_m * z_m * z_m;
-    const double z = median_of(dz);
-    chi2 += z * z / (kMedianFactor * variance_m2 / (n * n) + floor_m * floor_m);
+    const double dz_m = median_of(off.dz_m);
+    chi2 += dz_m * dz_m / (kMedianFactor * variance_m2 / (n * n) + floor_m * floor_m);
   }
   return chi2 / excess_;
 }
@@ -221,8 +220,9 @@ std::vector<double> PairedPieces::depth_chi2(const SE3& T_now_then) const {
 std::vector<PieceMotion> PairedPieces::motions(const SE3& T_now_then) const {
   std::vector<PieceMotion> out;
   out.reserve(groups_.size());
+  Residuals off;
   for (const Group& g : groups_) {
-    out.push_back({g.piece, static_cast<int>(g.count), chi2_of(g, T_now_then)});
+    out.push_back({g.piece, static_cast<int>(g.count), chi2_of(g, T_now_then, off)});
   }
   return out;
 }
@@ -259,9 +259,10 @@ PairedPieces::Support PairedPieces::support(const SE3& T_now_then,
                                             std::span<const float> weight) const {
   std::vector<double> chi2 = depth_chi2(T_now_then);
   chi2.resize(weight.size(), -1.0);
+  Residuals off;
   for (const Group& g : groups_) {
     double& c = chi2[static_cast<std::size_t>(g.piece)];
-    c = std::max(0.0, c) + chi2_of(g, T_now_then);
+    c = std::max(0.0, c) + chi2_of(g, T_now_then, off);
   }
   Support out;
   for (std::size_t p = 0; p < chi2.size(); ++p) {
@@ -275,9 +276,10 @@ PairedPieces::Support PairedPieces::support(const SE3& T_now_then,
 std::vector<int> PairedPieces::agreeing(const SE3& T_now_then, std::span<const float> weight,
                                         double chi2_limit) const {
   std::vector<int> groups;
+  Residuals off;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (weight[static_cast<std::size_t>(groups_[g].piece)] <= 0) continue;
-    if (chi2_of(groups_[g], T_now_then) < chi2_limit) groups.push_back(static_cast<int>(g));
+    if (chi2_of(groups_[g], T_now_then, off) < chi2_limit) groups.push_back(static_cast<int>(g));
   }
   return groups;
 }

@@ -77,7 +77,11 @@ class PairedPieces {
     int piece = 0;
     std::size_t first = 0, count = 0;  ///< of the pairs
   };
-  double chi2_of(const Group& group, const SE3& T_now_then) const;
+  /// Residuals of one group; kept between calls, so that these need no memory of their own.
+  struct Residuals {
+    std::vector<double> du_px, dv_px, dz_m;
+  };
+  double chi2_of(const Group& group, const SE3& T_now_then, Residuals& off) const;
   SE3 fitted(const SE3& start, std::span<const int> groups, std::span<const float> weight) const;
 
   Camera camera_;

@@ -62,8 +62,8 @@ void draw_legend(cv::Mat& canvas, const FrameReport& report) {
 /// What the evidence says of an object: its verdict, and how likely it is to move.
 std::string odds_label(const ObjectJudgement& object) {
   const double moves = 1.0 / (1.0 + std::exp(-double(*object.log_odds)));
-  return fmt::format("{} {:.0f} %", object.rule == Rule::kept ? "stands still" : "moves",
-                     100.0 * moves);
+  return object.rule == Rule::kept ? fmt::format("stands still {:.0f} %", 100.0 * (1.0 - moves))
+                                   : fmt::format("moves {:.0f} %", 100.0 * moves);
 }
 
 /// Into the upper left corner of each box, below what stands on top of the picture, and below each

@@ -12,7 +12,7 @@ namespace ydd {
 
 struct DoubtOptions {
   bool enabled = true;
-  double depth_factor = 3.5;
+  double depth_factor = 3.0;
   double depth_floor_per_m = 0.008;
   double longest_s = 5.0;
   double max_speed_m_s = 15.0;  ///< a camera that is thrown, not carried
