@@ -116,6 +116,8 @@ void add_bench_command(CLI::App& app, Job& job) {
   add_seed_bench(*command, job, "recovery",
                  "Simulated accidents: how often and how soon a lost camera is found again",
                  &bench_recovery);
+  add_seed_bench(*command, job, "motion",
+                 "Worlds of points: how soon movers are found, and false alarms", &bench_motion);
   add_seed_bench(*command, job, "walk", "One long simulated walk: time, memory and map size",
                  &bench_walk);
 }

@@ -42,4 +42,8 @@ Result<std::string> bench_recovery(const SeedRequest& request);
 /// A long walk through several rooms: time per frame, memory and map size as it goes on.
 Result<std::string> bench_walk(const SeedRequest& request);
 
+/// How soon a mover is found by what the last frames show, over its speed and distance, and how
+/// often something in a rigid room is taken for one.
+Result<std::string> bench_motion(const SeedRequest& request);
+
 }  // namespace ydd::app

@@ -18,14 +18,15 @@ struct SensorNoise {
   }
 };
 
-/// How the odds that something moves follow from what the last frames show.
+/// How the odds that something moves follow from what the last frames show. Pixels are those of a
+/// picture of 640 px width.
 struct EvidenceOptions {
   int cell_px = 8;               ///< side of the square cells that odds are kept for
   double slack_m = 0.02;         ///< of depth, besides the sensor's noise
   double sigmas = 3.0;           ///< standard deviations that are noise
   double patch_radius_m = 0.25;  ///< of a surface that is judged as one
   double step_share = 0.04;      ///< of the depth: largest step between cells of one surface
-  int features_of_place = 6;     ///< that later frames look for, of each 32 x 32 px
+  int features_of_place = 6;     ///< that later frames look for, of each 4 x 4 cells
   double search_px = 24.0;       ///< how far from its expected place a feature is looked for
   int descriptor_bits = 60;      ///< largest distance of a feature to its match
   double moved_chi2 = 25.0;      ///< of a feature's 3-D residual: it has moved
@@ -42,6 +43,8 @@ struct EvidenceOptions {
   double trust_grown = 0.5;   ///< the same once a map of the room has grown: the older map wins
   SensorNoise noise;
   void describe(OptionTable& table);
+  /// The same for pictures of another width than 640 px: what is in pixels is scaled with it.
+  EvidenceOptions at_width(int width_px) const;
 };
 
 }  // namespace ydd

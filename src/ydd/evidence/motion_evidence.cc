@@ -30,9 +30,9 @@ double spacing_s(double age_s) {
 /// Features with a depth that later frames look for: some of every place, fewer of what moves.
 std::shared_ptr<const Features> some_of(const Features& features, const MotionOdds& odds,
                                         int most_of_place) {
-  constexpr int kPlace_px = 32;
-  const int columns = odds.depth.grid.columns * odds.depth.grid.cell_px / kPlace_px + 1;
-  const int rows = odds.depth.grid.rows * odds.depth.grid.cell_px / kPlace_px + 1;
+  const int place_px = 4 * odds.depth.grid.cell_px;
+  const int columns = odds.depth.grid.columns / 4 + 1;
+  const int rows = odds.depth.grid.rows / 4 + 1;
   std::vector<int> taken(static_cast<std::size_t>(columns * rows), 0);
   std::vector<int> chosen;
   for (std::size_t i = 0; i < features.size(); ++i) {
@@ -41,7 +41,7 @@ std::shared_ptr<const Features> some_of(const Features& features, const MotionOd
     const int cell = odds.cell_at(k.x_px, k.y_px, features.depth_m[i]);
     if (cell < 0) continue;
     const int place =
-        static_cast<int>(k.y_px) / kPlace_px * columns + static_cast<int>(k.x_px) / kPlace_px;
+        static_cast<int>(k.y_px) / place_px * columns + static_cast<int>(k.x_px) / place_px;
     const bool moves = odds.moves[static_cast<std::size_t>(cell)] != 0;
     if (++taken[static_cast<std::size_t>(place)] >
         (moves ? (most_of_place + 1) / 2 : most_of_place))
@@ -76,9 +76,9 @@ double excess_of(std::span<const PieceMotion> motions, std::span<const float> we
 }  // namespace
 
 MotionEvidence::MotionEvidence(const EvidenceOptions& options, const Camera& camera)
-    : options_(options),
+    : options_(options.at_width(camera.width_px)),
       camera_(camera),
-      rays_(cell_rays(camera, CellGrid(camera.width_px, camera.height_px, options.cell_px))) {}
+      rays_(cell_rays(camera, CellGrid(camera.width_px, camera.height_px, options_.cell_px))) {}
 
 void MotionEvidence::clear() {
   seen_.clear();

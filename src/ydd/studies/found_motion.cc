@@ -217,9 +217,7 @@ FoundMotion find_motion(const MoverOptions& mover, const EvidenceOptions& option
   const Camera camera = study_camera();
   std::vector<Block> blocks = room(mover);
   const std::vector<Mark> marks = make_marks(blocks, random);
-  EvidenceOptions scaled = options;  // cells of as many centimetres as on 640 px
-  scaled.cell_px = std::max(4, options.cell_px / 2);
-  MotionEvidence evidence(scaled, camera);
+  MotionEvidence evidence(options, camera);
   FoundMotion result;
   double room_cells = 0, false_cells = 0, late_cells = 0, late_found = 0;
   bool alarmed = false;
