@@ -70,6 +70,26 @@ TEST(CullRecentPoints, ForgetsWhatPassedAndWhatIsGone) {
   EXPECT_NE(atlas.find(proven), nullptr);
 }
 
+TEST(CullContradictedPoints, RemovesExactlyThoseContradictedForLong) {
+  BuiltMap built = same_place(2);
+  Atlas& atlas = built.atlas;
+  const std::vector<MapPointId> points = atlas.at(built.keyframes[0]).points;
+  CullOptions options;
+  options.contradicted_frames = 5;
+  const MapPointId gone = points[3];
+  atlas.remove_point(gone);
+  const std::vector<PointViews> views = {{points[0], 9, 9, 4},
+                                         {points[1], 9, 9, 5},
+                                         {points[2], 9, 0, 0},
+                                         {gone, 9, 9, 8},
+                                         {points[4], 1, 0, 9}};
+  EXPECT_EQ(cull_contradicted_points(atlas, views, options), 2);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(atlas.find(points[i]) == nullptr, i == 1 || i == 3 || i == 4) << i;
+  }
+  EXPECT_THAT(atlas.check_consistency(), IsEmpty());
+}
+
 TEST(CullRedundantKeyframes, LeavesEnoughOfThemAndAlwaysTheFirst) {
   BuiltMap built = same_place(8);
   const int culled = cull_redundant_keyframes(built.atlas, built.keyframes[7], {});
