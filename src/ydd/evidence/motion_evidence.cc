@@ -8,11 +8,11 @@
 namespace ydd {
 namespace {
 
-constexpr double kPairAge_s = 0.33;  // movers have left their place by then, most views remain
+constexpr double kPairAge_s = 0.27;  // movers have left their place by then, most views remain
 constexpr double kGlance_s = 0.1;    // motion over less than that is seen once and no more
 constexpr std::array<double, 6> kWitnessAges_s = {0.1, 0.2, 0.4, 0.8, 1.6, 3.2};
 constexpr double kLongAgo_s = 0.8;   // what was there then stands still
-constexpr double kJustNow_s = 1.0;   // what has come since then moves
+constexpr double kJustNow_s = 0.5;   // what has come since then moves
 constexpr float kCameBefore = 0.1F;  // what came before that: its share
 constexpr double kMemory_s = 4.0;
 constexpr float kMostArea_m2 = 0.2F;  // of a piece, that counts
@@ -86,6 +86,7 @@ void MotionEvidence::clear() {
   now_.reset();
   odds_ = {};
   excess_ = 1;
+  frames_ = 0;
 }
 
 double MotionEvidence::trust() const {
@@ -297,16 +298,19 @@ void MotionEvidence::remember() {
   const int more = frames_ < kYoung ? 4 : 1;
   now_->features = some_of(*now_->features, odds_, more * options_.features_of_place);
   seen_.push_back(*std::exchange(now_, {}));
-  const Timestamp newest = seen_.back().stamp;
-  std::deque<Seen> kept;
-  for (auto it = seen_.rbegin(); it != seen_.rend(); ++it) {
-    const double age_s = seconds_between(it->stamp, newest);
-    if (age_s > kMemory_s) break;
-    if (!kept.empty() && seconds_between(it->stamp, kept.front().stamp) < spacing_s(age_s))
-      continue;
-    kept.push_front(std::move(*it));
+  // From the oldest on: one goes whose neighbours are close enough for its age without it.
+  const auto age_s = [&](std::size_t i) {
+    return seconds_between(seen_[i].stamp, seen_.back().stamp);
+  };
+  while (age_s(0) > kMemory_s) seen_.pop_front();
+  for (std::size_t i = 1; i + 1 < seen_.size();) {
+    const bool dense = age_s(i - 1) - age_s(i + 1) < spacing_s(age_s(i));
+    if (dense) {
+      seen_.erase(seen_.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      ++i;
+    }
   }
-  seen_ = std::move(kept);
 }
 
 }  // namespace ydd

@@ -24,7 +24,7 @@ Camera evidence_camera() {
 /// A camera that stands before a wall at 2 m with features on it.
 class WallWatch {
  public:
-  WallWatch() : evidence_({}, evidence_camera()) {}
+  WallWatch() : evidence_(cells_of_8_px(), evidence_camera()) {}
 
   /// The next frame at 30 Hz; with a bare box at 1.2 m in the middle of the view.
   const MotionOdds& look(bool box) {
@@ -49,6 +49,11 @@ class WallWatch {
   std::size_t corner() const { return static_cast<std::size_t>(CellGrid(320, 240, 8).index(4, 4)); }
 
  private:
+  static EvidenceOptions cells_of_8_px() {
+    EvidenceOptions options;
+    options.cell_px = 16;  // at 640 px width
+    return options;
+  }
   static Features features(const DepthImage& depth_m) {
     std::mt19937 random(11);
     OrbFeatures orb;

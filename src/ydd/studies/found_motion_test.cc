@@ -40,7 +40,7 @@ TEST_P(MoversFound, WithinTheirTime) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, MoversFound,
                          ::testing::Values(Mover{0.3, 1.5, 0.5, 15}, Mover{0.5, 1.8, 1.0, 12},
-                                           Mover{0.5, 1.8, 0.2, 25}, Mover{0.8, 1.8, 0.5, 15},
+                                           Mover{0.5, 1.8, 0.2, 25}, Mover{0.8, 1.8, 0.5, 25},
                                            Mover{0.5, 2.5, 0.5, 20}));
 
 TEST(FoundMotion, FollowsFromItsSeed) {
