@@ -172,10 +172,10 @@ void MotionEvidence::judge(const SE3& T_origin_now) {
   now_->T_origin_camera = T_origin_now;
   odds_ = carried_;
   std::vector<float> gathered(static_cast<std::size_t>(surfaces_.count), 0.0F);
-  gather_space(gathered);
   gather_motions(*earlier_, *pieces_, gathered);
   const Seen& last = seen_.back();
   if (&last != earlier_) gather_motions(last, paired(last, T_origin_now), gathered);
+  gather_space(gathered);
   conclude(gathered);
 }
 
@@ -250,8 +250,10 @@ void MotionEvidence::gather_space(std::span<float> gathered) const {
     if (surfaces_.piece[i] < 0) continue;
     const auto piece = static_cast<std::size_t>(surfaces_.piece[i]);
     ++size[piece];
+    // What slides in its own plane, like a scrolling picture, is at the same depth all the time.
+    const float still = gathered[piece] > 0 ? 0.0F : static_cast<float>(options_.presence_gain);
     sum[piece] += intrusion[i] > 0 ? static_cast<float>(options_.intrusion_gain) * intrusion[i]
-                                   : -static_cast<float>(options_.presence_gain) * presence[i];
+                                   : -still * presence[i];
   }
   constexpr int kFew = 4;  // cells that are no surface
   for (std::size_t p = 0; p < sum.size(); ++p) {
