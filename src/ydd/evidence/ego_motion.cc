@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "ydd/evidence/seen_from.h"
 #include "ydd/optimization/pose_only.h"
 
 namespace ydd {
@@ -16,11 +17,14 @@ constexpr double kPixelSigma_px = 1.0;  // of a corner on level 0
 constexpr double kLevelStep = 1.2;
 constexpr int kAlikeBits = 10;  // candidates that look alike
 constexpr double kNearest_m = 0.05;
-constexpr std::size_t kLeastPairs = 3;  // of a piece with a say
-constexpr double kFloor_px = 0.6;       // what many features of a piece cannot average out, ...
-constexpr double kFloor_m = 0.004;      // ... at 1 m, growing with the square of the depth
-constexpr double kNearlyAll = 0.8;      // weighted by how well
-constexpr double kMedianFactor = 1.57;  // variance of a median, by that of a mean
+constexpr std::size_t kLeastPairs = 3;   // of a piece with a say
+constexpr double kFloor_px = 0.6;        // what many features of a piece cannot average out, ...
+constexpr double kFloor_m = 0.004;       // ... at 1 m, growing with the square of the depth
+constexpr double kNearlyAll = 0.8;       // weighted by how well
+constexpr int kLeastCells = 4;           // of a piece whose depth has a say
+constexpr double kDepthFloor_m = 0.002;  // what many readings cannot average out, ...
+constexpr double kDepthFloor_per_m = 0.0007;  // ... growing with the square of the depth
+constexpr double kMedianFactor = 1.57;        // variance of a median, by that of a mean
 
 double level_scale(int octave) { return std::pow(kLevelStep, octave); }
 
@@ -165,8 +169,7 @@ void PairedPieces::add_depth(const CoarseDepth& now, const Surfaces& surfaces,
     for (int column = (row / 2) % 2; column < now.grid.columns; column += 2) {
       const auto i = static_cast<std::size_t>(now.grid.index(column, row));
       if (surfaces.piece[i] < 0) continue;
-      const float z_m = now.z_m[i];
-      cell_points_.emplace_back(rays[i].x() * z_m, rays[i].y() * z_m, z_m);
+      cell_points_.push_back(point_on(rays[i], now.z_m[i]));
       cell_piece_.push_back(surfaces.piece[i]);
     }
   }
@@ -181,37 +184,28 @@ std::vector<double> PairedPieces::depth_chi2(const SE3& T_now_then) const {
     int count = 0;
   };
   std::vector<Sum> sums(out.size());
-  const SE3 T_then_now = T_now_then.inverse();
-  const Eigen::Matrix3f rotation = T_then_now.rotation_matrix().cast<float>();
-  const Eigen::Vector3f shift_m = T_then_now.translation().cast<float>();
-  const auto fx = static_cast<float>(camera_.fx_px), fy = static_cast<float>(camera_.fy_px);
-  const auto cx = static_cast<float>(camera_.cx_px), cy = static_cast<float>(camera_.cy_px);
+  const SeenFrom there(T_now_then.inverse(), camera_);
+  const auto step_share = static_cast<float>(options_.step_share);
+  SeenFrom::Place place;
   for (std::size_t i = 0; i < cell_points_.size(); ++i) {
-    const Eigen::Vector3f p = rotation * cell_points_[i] + shift_m;
-    if (p.z() <= 0.05F) continue;
-    float u = fx * p.x() / p.z() + cx, v = fy * p.y() / p.z() + cy;
-    if (camera_.has_distortion()) {
-      const Eigen::Vector2d px = camera_.distort({u, v});
-      u = static_cast<float>(px.x());
-      v = static_cast<float>(px.y());
-    }
-    const float z_m = surface_depth(*then_depth_, u, v, static_cast<float>(options_.step_share));
+    if (!there.see(cell_points_[i], place)) continue;
+    const float z_m = surface_depth(*then_depth_, place.x_px, place.y_px, step_share);
     if (z_m <= 0) continue;
-    const float sigma_m = options_.noise.sigma_m(p.z());
+    const float sigma_m = options_.noise.sigma_m(place.z_m);
     Sum& sum = sums[static_cast<std::size_t>(cell_piece_[i])];
     // Behind something, or before it: clipped, so that a few do not decide.
     const float most_m = 0.05F + 3 * sigma_m;
-    sum.off_m += std::clamp(p.z() - z_m, -most_m, most_m);
+    sum.off_m += std::clamp(place.z_m - z_m, -most_m, most_m);
     sum.variance_m2 += 2 * sigma_m * sigma_m;
     sum.z_m += z_m;
     ++sum.count;
   }
   for (std::size_t p = 0; p < out.size(); ++p) {
     const Sum& s = sums[p];
-    if (s.count < 4) continue;
+    if (s.count < kLeastCells) continue;
     const auto n = static_cast<double>(s.count);
     const double z_m = s.z_m / n, off_m = s.off_m / n;
-    const double floor_m = 0.002 + 0.0007 * z_m * z_m;
+    const double floor_m = kDepthFloor_m + kDepthFloor_per_m * z_m * z_m;
     out[p] = off_m * off_m / (s.variance_m2 / (n * n) + floor_m * floor_m) / excess_;
   }
   return out;

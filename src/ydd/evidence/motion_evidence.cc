@@ -18,6 +18,7 @@ constexpr double kMemory_s = 4.0;
 constexpr float kMostArea_m2 = 0.2F;  // of a piece, that counts
 constexpr int kFeaturesOfPiece = 4;   // beyond these, more say no more
 constexpr unsigned kYoung = 45;       // frames in which a map of the room is begun
+constexpr float kUneasy = 0.5F;       // log-odds that end a calm
 constexpr int kProposals = 40;
 constexpr double kSame_m = 0.003, kSame_rad = 0.003;  // poses that make the same evidence
 
@@ -43,9 +44,8 @@ std::shared_ptr<const Features> some_of(const Features& features, const MotionOd
     const int place =
         static_cast<int>(k.y_px) / place_px * columns + static_cast<int>(k.x_px) / place_px;
     const bool moves = odds.moves[static_cast<std::size_t>(cell)] != 0;
-    if (++taken[static_cast<std::size_t>(place)] >
-        (moves ? (most_of_place + 1) / 2 : most_of_place))
-      continue;
+    const int most = moves ? (most_of_place + 1) / 2 : most_of_place;
+    if (++taken[static_cast<std::size_t>(place)] > most) continue;
     chosen.push_back(static_cast<int>(i));
   }
   return std::make_shared<const Features>(select(features, chosen));
@@ -286,7 +286,7 @@ void MotionEvidence::conclude(std::span<const float> gathered) {
     odds_.log_odds[i] = std::clamp(log_odds, -most, most);
     if (log_odds > options_.moves_above) odds_.moves[i] = 1;
     if (log_odds < options_.still_below) odds_.moves[i] = 0;
-    odds_.calm_s[i] = log_odds > 0.5F ? 0.0F : odds_.calm_s[i] + step_s;
+    odds_.calm_s[i] = log_odds > kUneasy ? 0.0F : odds_.calm_s[i] + step_s;
   }
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "ydd/evidence/seen_from.h"
+
 namespace ydd {
 namespace {
 constexpr float kNeverMoved_s = 0.3F;  // as calm as what has stood still for so long
@@ -58,20 +60,15 @@ MotionOdds carried_odds(const MotionOdds& before, CoarseDepth depth, const SE3& 
   out.calm_s.assign(out.depth.z_m.size(), kNeverMoved_s);
   if (before.empty()) return out;
   if (!before.prior.empty()) out.prior.assign(out.depth.z_m.size(), 0.0F);
-  const Eigen::Matrix3f rotation = T_before_now.rotation_matrix().cast<float>();
-  const Eigen::Vector3f shift_m = T_before_now.translation().cast<float>();
+  const SeenFrom there(T_before_now, camera);
+  SeenFrom::Place place;
   for (std::size_t i = 0; i < out.log_odds.size(); ++i) {
     const float z_m = out.depth.z_m[i];
-    if (z_m <= 0) continue;
-    const Eigen::Vector3f p =
-        rotation * Eigen::Vector3f(rays[i].x() * z_m, rays[i].y() * z_m, z_m) + shift_m;
-    if (p.z() <= 0.05F) continue;
-    Eigen::Vector2d px = camera.project(p.cast<double>());
-    if (camera.has_distortion()) px = camera.distort(px);
-    const int cell = before.cell_at(static_cast<float>(px.x()), static_cast<float>(px.y()), p.z());
+    if (z_m <= 0 || !there.see(point_on(rays[i], z_m), place)) continue;
+    const int cell = before.cell_at(place.x_px, place.y_px, place.z_m);
     if (cell < 0) continue;
     const auto b = static_cast<std::size_t>(cell);
-    const float off_m = std::abs(before.depth.z_m[b] - p.z());
+    const float off_m = std::abs(before.depth.z_m[b] - place.z_m);
     // Generous: what moves comes nearer or goes away by centimetres from frame to frame.
     if (off_m > 0.06F + 3 * options.noise.sigma_m(z_m)) continue;
     out.log_odds[i] = before.log_odds[b];

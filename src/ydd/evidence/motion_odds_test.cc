@@ -4,21 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ydd/evidence/evidence_testing.h"
+
 namespace ydd {
 namespace {
 
 using testing::Each;
-
-/// 20 x 15 cells; at 2 m a cell is 0.1 m wide.
-Camera odds_camera() {
-  Camera camera;
-  camera.width_px = 160;
-  camera.height_px = 120;
-  camera.fx_px = camera.fy_px = 160;
-  camera.cx_px = 79.5;
-  camera.cy_px = 59.5;
-  return camera;
-}
 
 /// A wall, with what is at `z_m` in columns [column0, column1).
 CoarseDepth wall_and_strip(float wall_m, int column0 = 0, int column1 = 0, float z_m = 0) {
@@ -46,7 +37,7 @@ MotionOdds numbered(CoarseDepth depth) {
 }
 
 MotionOdds carried(const MotionOdds& before, CoarseDepth depth, const SE3& T_before_now) {
-  const Camera camera = odds_camera();
+  const Camera camera = evidence_testing::small_camera();
   const std::vector<Eigen::Vector2f> rays = cell_rays(camera, depth.grid);
   return carried_odds(before, std::move(depth), T_before_now, camera, rays, {});
 }

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "ydd/evidence/seen_from.h"
+
 namespace ydd {
 namespace {
 
@@ -23,34 +25,21 @@ std::vector<Space> space_then(const CoarseDepth& now, const CoarseDepth& then,
                               std::span<const Eigen::Vector2f> rays,
                               const EvidenceOptions& options) {
   std::vector<Space> out(now.z_m.size(), Space::unknown);
-  const Eigen::Matrix3f rotation = T_then_now.rotation_matrix().cast<float>();
-  const Eigen::Vector3f shift_m = T_then_now.translation().cast<float>();
-  const auto fx = static_cast<float>(camera.fx_px), fy = static_cast<float>(camera.fy_px);
-  const auto cx = static_cast<float>(camera.cx_px), cy = static_cast<float>(camera.cy_px);
-  const bool lens = camera.has_distortion();
+  const SeenFrom there(T_then_now, camera);
+  SeenFrom::Place place;
   const auto sigmas = static_cast<float>(options.sigmas);
   const auto slack_m = static_cast<float>(options.slack_m);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const float z_m = now.z_m[i];
-    if (z_m <= 0) continue;
-    const Eigen::Vector3f p =
-        rotation * Eigen::Vector3f(rays[i].x() * z_m, rays[i].y() * z_m, z_m) + shift_m;
-    if (p.z() <= 0.05F) continue;
-    float u_px = fx * p.x() / p.z() + cx;
-    float v_px = fy * p.y() / p.z() + cy;
-    if (lens) {
-      const Eigen::Vector2d px = camera.distort({u_px, v_px});
-      u_px = static_cast<float>(px.x());
-      v_px = static_cast<float>(px.y());
-    }
-    if (!(u_px >= 0 && v_px >= 0)) continue;
-    const int column = then.grid.cell_of(u_px);
-    const int row = then.grid.cell_of(v_px);
+    if (z_m <= 0 || !there.see(point_on(rays[i], z_m), place)) continue;
+    if (!(place.x_px >= 0 && place.y_px >= 0)) continue;
+    const int column = then.grid.cell_of(place.x_px);
+    const int row = then.grid.cell_of(place.y_px);
     if (!then.grid.contains(column, row)) continue;
     const float sigma_m = options.noise.sigma_m(z_m);
     const float tolerance_m = slack_m + 1.42F * sigmas * sigma_m;
     out[i] =
-        judge(p.z(), tolerance_m, then, static_cast<std::size_t>(then.grid.index(column, row)));
+        judge(place.z_m, tolerance_m, then, static_cast<std::size_t>(then.grid.index(column, row)));
   }
   return out;
 }

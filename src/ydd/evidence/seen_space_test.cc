@@ -7,21 +7,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ydd/evidence/evidence_testing.h"
+
 namespace ydd {
 namespace {
 
 using testing::Each;
-
-/// 20 x 15 cells; at 2 m a cell is 0.1 m wide.
-Camera space_camera() {
-  Camera camera;
-  camera.width_px = 160;
-  camera.height_px = 120;
-  camera.fx_px = camera.fy_px = 160;
-  camera.cx_px = 79.5;
-  camera.cy_px = 59.5;
-  return camera;
-}
 
 class SpaceView {
  public:
@@ -49,7 +40,7 @@ class SpaceView {
 
 std::vector<Space> space_of(const SpaceView& now, const SpaceView& then,
                             const SE3& T_then_now = SE3()) {
-  const Camera camera = space_camera();
+  const Camera camera = evidence_testing::small_camera();
   const std::vector<Eigen::Vector2f> rays = cell_rays(camera, CellGrid(160, 120, 8));
   return space_then(now.coarse(), then.coarse(), T_then_now, camera, rays, {});
 }

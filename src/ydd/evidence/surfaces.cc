@@ -4,17 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "ydd/evidence/seen_from.h"
+
 namespace ydd {
-namespace {
-
-Eigen::Vector3f point_of(const CoarseDepth& depth, std::span<const Eigen::Vector2f> rays,
-                         int cell) {
-  const auto i = static_cast<std::size_t>(cell);
-  return {rays[i].x() * depth.z_m[i], rays[i].y() * depth.z_m[i], depth.z_m[i]};
-}
-
-}  // namespace
-
 Surfaces find_surfaces(const CoarseDepth& depth, std::span<const Eigen::Vector2f> rays,
                        const EvidenceOptions& options) {
   const CellGrid& grid = depth.grid;
@@ -26,7 +18,7 @@ Surfaces find_surfaces(const CoarseDepth& depth, std::span<const Eigen::Vector2f
   for (int first = 0; first < grid.cells(); ++first) {
     const auto start = static_cast<std::size_t>(first);
     if (depth.z_m[start] <= 0 || out.piece[start] >= 0) continue;
-    const Eigen::Vector3f centre = point_of(depth, rays, first);
+    const Eigen::Vector3f centre = point_on(rays[start], depth.z_m[start]);
     out.piece[start] = out.count;
     waiting.assign(1, first);
     while (!waiting.empty()) {
@@ -42,7 +34,7 @@ Surfaces find_surfaces(const CoarseDepth& depth, std::span<const Eigen::Vector2f
         const auto n = static_cast<std::size_t>(next);
         if (depth.z_m[n] <= 0 || out.piece[n] >= 0) continue;
         if (std::abs(depth.z_m[n] - z_m) > step_share * z_m) continue;
-        if ((point_of(depth, rays, next) - centre).squaredNorm() > reach2_m2) continue;
+        if ((point_on(rays[n], depth.z_m[n]) - centre).squaredNorm() > reach2_m2) continue;
         out.piece[n] = out.count;
         waiting.push_back(next);
       }

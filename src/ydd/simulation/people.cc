@@ -155,14 +155,8 @@ PersonPose sit(const PersonShape& shape, int place, double t) {
 }
 
 void add_sitter(SceneBuilder& builder, int number, int place) {
-  Random random = builder.next_random();
-  PersonShape shape;
-  shape.scale = random.uniform(0.94, 1.04);
-  const PersonObjects objects = add_person_objects(builder, number);
-  Actor actor;
-  actor.bodies = make_person_bodies(builder, objects, shape, random.fork(1));
-  actor.poses = [shape, place](double t) { return place_person(shape, sit(shape, place, t)); };
-  builder.add_actor(std::move(actor));
+  add_person(builder, number, 1.04,
+             [place](const PersonShape& shape, double t) { return sit(shape, place, t); });
 }
 
 void add_fan(SceneBuilder& builder, bool turns) {

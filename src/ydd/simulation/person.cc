@@ -249,6 +249,20 @@ SE3 chest_in_person(const PersonShape& shape, const PersonPose& pose, double hip
   return shift(0, 0, hip_height_m) * hips_to_chest(shape, pose);
 }
 
+void add_person(SceneBuilder& builder, int number, double largest_scale,
+                std::function<PersonPose(const PersonShape&, double time_s)> pose_at) {
+  Random random = builder.next_random();
+  PersonShape shape;
+  shape.scale = random.uniform(0.94, largest_scale);
+  const PersonObjects objects = add_person_objects(builder, number);
+  Actor actor;
+  actor.bodies = make_person_bodies(builder, objects, shape, random.fork(1));
+  actor.poses = [shape, pose_at = std::move(pose_at)](double t) {
+    return place_person(shape, pose_at(shape, t));
+  };
+  builder.add_actor(std::move(actor));
+}
+
 std::vector<SE3> place_person(const PersonShape& s, const PersonPose& pose) {
   const double hip_height =
       pose.hip_height_m < 0 ? standing_hip_height(s, pose) : pose.hip_height_m;

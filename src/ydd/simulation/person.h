@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "ydd/simulation/scene_builder.h"
@@ -74,6 +75,11 @@ std::vector<Body> make_person_bodies(SceneBuilder& builder, const PersonObjects&
 
 /// Forward kinematics: T_world_body for all bodies.
 std::vector<SE3> place_person(const PersonShape& shape, const PersonPose& pose);
+
+/// A person of its own looks and a size of 0.94 to `largest_scale`, who moves as `pose_at` says and
+/// carries nothing.
+void add_person(SceneBuilder& builder, int number, double largest_scale,
+                std::function<PersonPose(const PersonShape&, double time_s)> pose_at);
 
 /// Arm whose palm reaches a point given in the person's frame, elbow down; a point out of reach is
 /// pointed at. `T_person_chest` from `place_person`'s kChest, or `chest_in_person`.

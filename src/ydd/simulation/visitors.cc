@@ -48,14 +48,8 @@ PersonPose visit(const PersonShape& shape, const StraightWay& way, double t) {
 }
 
 void add_visitor(SceneBuilder& builder, int number, const StraightWay& way) {
-  Random random = builder.next_random();
-  PersonShape shape;
-  shape.scale = random.uniform(0.94, 1.06);
-  const PersonObjects objects = add_person_objects(builder, number);
-  Actor actor;
-  actor.bodies = make_person_bodies(builder, objects, shape, random.fork(1));
-  actor.poses = [shape, way](double t) { return place_person(shape, visit(shape, way, t)); };
-  builder.add_actor(std::move(actor));
+  add_person(builder, number, 1.06,
+             [way](const PersonShape& shape, double t) { return visit(shape, way, t); });
 }
 
 }  // namespace
