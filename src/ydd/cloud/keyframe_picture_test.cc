@@ -68,6 +68,20 @@ TEST(KeyframePicture, NoPixelOfAPersonIsLeftButTheWallBehindIs) {
   EXPECT_EQ(picture.depth_mm(3, 3), 3000);
 }
 
+TEST(KeyframePicture, WhatWasSeenToMoveGoesWithoutABox) {
+  PictureSource source = person_before_a_wall({});
+  source.moving.clear();
+  MotionOdds odds;
+  odds.depth = coarse_depth(source.depth_m, 8);
+  for (const float z_m : odds.depth.z_m) odds.moves.push_back(z_m < 2.0F);
+  odds.log_odds.assign(odds.moves.size(), 0.0F);
+  source.odds = std::make_shared<const MotionOdds>(odds);
+  const OpenPicture picture = reopened(source);
+  EXPECT_EQ(traces_of_the_person(picture), (std::pair{0, 0}));
+  EXPECT_EQ(picture.depth_mm(3, 3), 3000);
+  EXPECT_EQ(picture.depth_mm(70, 35), 3000);
+}
+
 TEST(KeyframePicture, WithoutARangeTheWholeBoxGoes) {
   const OpenPicture picture = reopened(person_before_a_wall({}));
   EXPECT_EQ(traces_of_the_person(picture), (std::pair{0, 0}));
