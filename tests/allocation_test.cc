@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <new>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -38,7 +39,7 @@ namespace ydd::e2e {
 namespace {
 
 /// Median over the later frames of a sequence of allocations per frame without a keyframe.
-long median_allocations(int features) {
+long median_allocations(Variant variant, int features) {
   WorldOptions world;
   world.path = PathKind::xyz;
   world.depth = DepthModel::kinect;
@@ -47,6 +48,7 @@ long median_allocations(int features) {
   world.frames = 60;
   const Simulator simulator(world);
   SystemOptions options;
+  options.dynamics.variant = variant;
   options.dynamics.compensation.points = features;
   SlamSystem system(simulator.camera(), options, ObjectCatalogue::defaults(), nullptr);
   std::vector<long> counts;
@@ -65,12 +67,19 @@ long median_allocations(int features) {
 
 TEST(Allocations, OfAFrameAreFewAndDoNotGrowWithItsFeatures) {
   if (kSanitized) GTEST_SKIP() << "allocations are not counted under sanitizers";
-  const long few = median_allocations(300);
-  const long many = median_allocations(1200);
-  RecordProperty("allocations_300", static_cast<int>(few));
-  RecordProperty("allocations_1200", static_cast<int>(many));
-  EXPECT_LT(many, 110);
-  EXPECT_LT(many, few + 25);
+  struct Case {
+    Variant variant;
+    long most;
+  };
+  for (const Case& c : {Case{Variant::full, 110}, Case{Variant::evidence, 240}}) {
+    const std::string name(to_string(c.variant));
+    const long few = median_allocations(c.variant, 300);
+    const long many = median_allocations(c.variant, 1200);
+    RecordProperty(name + "_300", static_cast<int>(few));
+    RecordProperty(name + "_1200", static_cast<int>(many));
+    EXPECT_LT(many, c.most) << name;
+    EXPECT_LT(many, few + 25) << name;
+  }
 }
 
 }  // namespace

@@ -108,6 +108,8 @@ void add_bench_command(CLI::App& app, Job& job) {
   add_bench(*command, job, "detection",
             "What asynchronous detection costs: ATE and point decisions by latency",
             &bench_detection, true);
+  add_bench(*command, job, "boxes", "What faults of a detector cost: ATE by kind of fault",
+            &bench_boxes, true);
   add_bench(*command, job, "speed", "Time per frame and stage", &bench_speed, false);
   add_seed_bench(*command, job, "loops",
                  "Simulated walks: loops closed, false ones, what they gain", &bench_loops);

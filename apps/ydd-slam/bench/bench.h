@@ -64,6 +64,10 @@ Result<std::vector<double>> ate_of_runs(const BenchCase& bench_case, const Bench
 Result<std::string> bench_detection(const BenchRequest& request,
                                     const std::filesystem::path& scratch);
 
+/// What faults of a detector cost: ATE with exact boxes, with none every other second, without the
+/// nearest person, with persons called chairs, and with none.
+Result<std::string> bench_boxes(const BenchRequest& request, const std::filesystem::path& scratch);
+
 /// Time per frame and stage, frames dropped and late, memory and energy, flat out and in real
 /// time, each run in a process of its own; with `against` as pairs A B A B.
 Result<std::string> bench_speed(const BenchRequest& request, const std::filesystem::path& scratch);

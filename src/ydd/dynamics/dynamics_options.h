@@ -100,7 +100,7 @@ struct RefinementOptions {
 
 /// All of the method's thresholds. Depth extents live in the object catalogue.
 struct DynamicsOptions {
-  Variant variant = Variant::full;
+  Variant variant = Variant::evidence;
   int static_after_frames = 5;    ///< without a dynamic object: from then on a frame is static
   double front_allowance = 0.2;   ///< share of the extent in front of the approximate minimum depth
   double small_box_share = 0.01;  ///< of the image: below it every point of a box goes

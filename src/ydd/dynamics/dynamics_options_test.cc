@@ -34,7 +34,7 @@ TEST(DynamicsOptions, EveryThresholdIsAnOptionWithASentence) {
 
 TEST(DynamicsOptions, DefaultsOfTheMethod) {
   const DynamicsOptions options;
-  EXPECT_EQ(options.variant, Variant::full);
+  EXPECT_EQ(options.variant, Variant::evidence);
   EXPECT_EQ(options.static_after_frames, 5);
   EXPECT_EQ(options.front_allowance, 0.2);
   EXPECT_EQ(options.edge_radius_px, 3);
@@ -57,7 +57,7 @@ TEST(DynamicsOptions, AnUnknownVariantIsRefused) {
   const auto result = table.set("variant", "some", "x.yaml:3");
   ASSERT_FALSE(result.ok());
   EXPECT_THAT(result.error().message, testing::HasSubstr("off, box, person, full"));
-  EXPECT_EQ(options.variant, Variant::full);
+  EXPECT_EQ(options.variant, Variant::evidence);
 }
 
 TEST(RefinementOptions, OneSwitchTurnsAllOfThemOff) {

@@ -77,9 +77,8 @@ CoarseDepth coarse_depth(const DepthImage& depth_m, int cell_px) {
 
 float surface_depth(const CoarseDepth& depth, float x_px, float y_px, float step_share) {
   const CellGrid& grid = depth.grid;
-  const auto side_px = static_cast<float>(grid.cell_px);
-  const float c = (x_px - 0.5F * (side_px - 1)) / side_px;
-  const float r = (y_px - 0.5F * (side_px - 1)) / side_px;
+  const float c = (x_px + 0.5F) * grid.per_px - 0.5F;
+  const float r = (y_px + 0.5F) * grid.per_px - 0.5F;
   if (!(c >= 0 && r >= 0)) return 0;
   const int column = static_cast<int>(c), row = static_cast<int>(r);
   if (column + 1 >= grid.columns || row + 1 >= grid.rows) return 0;

@@ -14,10 +14,14 @@ struct CellGrid {
   int cell_px = 8;
   int columns = 0;
   int rows = 0;
+  float per_px = 0.125F;  ///< cells: a product is quicker than a quotient
 
   CellGrid() = default;
   CellGrid(int width_px, int height_px, int side_px)
-      : cell_px(side_px), columns(width_px / side_px), rows(height_px / side_px) {}
+      : cell_px(side_px),
+        columns(width_px / side_px),
+        rows(height_px / side_px),
+        per_px(1.0F / static_cast<float>(side_px)) {}
 
   int cells() const { return columns * rows; }
   bool contains(int column, int row) const {
@@ -25,7 +29,7 @@ struct CellGrid {
   }
   int index(int column, int row) const { return row * columns + column; }
   /// The cell of a pixel; may lie outside.
-  int cell_of(float px) const { return static_cast<int>(px) / cell_px; }
+  int cell_of(float px) const { return static_cast<int>(px * per_px); }
   friend bool operator==(const CellGrid&, const CellGrid&) = default;
 };
 

@@ -5,10 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <random>
+#include <numeric>
 
 #include "ydd/evidence/seen_from.h"
-#include "ydd/optimization/pose_only.h"
 
 namespace ydd {
 namespace {
@@ -20,7 +19,8 @@ constexpr double kNearest_m = 0.05;
 constexpr std::size_t kLeastPairs = 3;   // of a piece with a say
 constexpr double kFloor_px = 0.6;        // what many features of a piece cannot average out, ...
 constexpr double kFloor_m = 0.004;       // ... at 1 m, growing with the square of the depth
-constexpr double kNearlyAll = 0.8;       // weighted by how well
+constexpr double kMissed = 0.001;        // of the times
+constexpr int kDrawn = 4;                // pieces that propose a motion together
 constexpr int kLeastCells = 4;           // of a piece whose depth has a say
 constexpr double kDepthFloor_m = 0.002;  // what many readings cannot average out, ...
 constexpr double kDepthFloor_per_m = 0.0007;  // ... growing with the square of the depth
@@ -64,6 +64,13 @@ double likelihood_of_step(const SE3& T_now_then, const SE3& expected) {
   return 1 - kSay + kSay / (1 + 0.5 * (t * t + r * r));
 }
 
+/// How many draws find, nearly always, a motion that this share of the weight agrees with (Fischler
+/// and Bolles, "Random sample consensus", 1981).
+int enough_draws(double share) {
+  const double all_agree = std::pow(std::clamp(share, 0.01, 0.99), kDrawn);
+  return static_cast<int>(std::ceil(std::log(kMissed) / std::log(1 - all_agree)));
+}
+
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -78,6 +85,8 @@ std::vector<FeaturePair> pair_features(const Features& then, const Features& now
   std::vector<int> owner(now.size(), -1);
   std::vector<float> owner_px2(now.size(), 0);
   std::vector<int> candidates, bits;
+  candidates.reserve(now.size());
+  bits.reserve(now.size());
   for (std::size_t i = 0; i < then.size(); ++i) {
     if (!then.has_depth(i)) continue;
     const Eigen::Vector3d p = T_now_then * point_of(then, static_cast<int>(i), camera);
@@ -95,6 +104,7 @@ std::vector<FeaturePair> pair_features(const Features& then, const Features& now
     owner_px2[found] = px2;
   }
   std::vector<FeaturePair> pairs;
+  pairs.reserve(std::min(then.size(), now.size()));
   for (std::size_t i = 0; i < owner.size(); ++i) {
     if (owner[i] >= 0) pairs.push_back({owner[i], static_cast<int>(i)});
   }
@@ -106,6 +116,9 @@ PairedPieces::PairedPieces(const Features& then, const Features& now,
                            const Camera& camera, const EvidenceOptions& options)
     : camera_(camera), options_(options) {
   std::vector<std::size_t> order;
+  order.reserve(pairs.size());
+  groups_.reserve(pairs.size());
+  pairs_.reserve(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (piece_of[i] >= 0) order.push_back(i);
   }
@@ -130,9 +143,15 @@ PairedPieces::PairedPieces(const Features& then, const Features& now,
     pairs_.push_back(pair);
   }
   std::erase_if(groups_, [](const Group& g) { return g.count < kLeastPairs; });
+  for (std::vector<double>* residuals : {&scratch_.du_px, &scratch_.dv_px, &scratch_.dz_m}) {
+    residuals->reserve(pairs_.size());
+  }
+  scratch_.observations.reserve(pairs_.size());
+  scratch_.groups.reserve(groups_.size());
 }
 
-double PairedPieces::chi2_of(const Group& group, const SE3& T_now_then, Residuals& off) const {
+double PairedPieces::chi2_of(const Group& group, const SE3& T_now_then) const {
+  Scratch& off = scratch_;
   for (std::vector<double>* residuals : {&off.du_px, &off.dv_px, &off.dz_m}) residuals->clear();
   double precision = 0, variance_m2 = 0, z_m = 0;
   for (std::size_t i = group.first; i < group.first + group.count; ++i) {
@@ -165,6 +184,8 @@ void PairedPieces::add_depth(const CoarseDepth& now, const Surfaces& surfaces,
                              std::span<const Eigen::Vector2f> rays, const CoarseDepth& then) {
   then_depth_ = &then;
   piece_count_ = surfaces.count;
+  cell_points_.reserve(now.z_m.size() / 4 + 1);
+  cell_piece_.reserve(now.z_m.size() / 4 + 1);
   for (int row = 0; row < now.grid.rows; row += 2) {
     for (int column = (row / 2) % 2; column < now.grid.columns; column += 2) {
       const auto i = static_cast<std::size_t>(now.grid.index(column, row));
@@ -175,15 +196,10 @@ void PairedPieces::add_depth(const CoarseDepth& now, const Surfaces& surfaces,
   }
 }
 
-/// Of each piece, by its depth alone; 1 degree of freedom; negative: it cannot tell.
-std::vector<double> PairedPieces::depth_chi2(const SE3& T_now_then) const {
-  std::vector<double> out(static_cast<std::size_t>(piece_count_), -1.0);
-  if (!then_depth_) return out;
-  struct Sum {
-    float off_m = 0, variance_m2 = 0, z_m = 0;
-    int count = 0;
-  };
-  std::vector<Sum> sums(out.size());
+void PairedPieces::sum_depth(const SE3& T_now_then) const {
+  std::vector<DepthSum>& sums = scratch_.depth;
+  sums.assign(static_cast<std::size_t>(piece_count_), {});
+  if (!then_depth_) return;
   const SeenFrom there(T_now_then.inverse(), camera_);
   const auto step_share = static_cast<float>(options_.step_share);
   SeenFrom::Place place;
@@ -192,7 +208,7 @@ std::vector<double> PairedPieces::depth_chi2(const SE3& T_now_then) const {
     const float z_m = surface_depth(*then_depth_, place.x_px, place.y_px, step_share);
     if (z_m <= 0) continue;
     const float sigma_m = options_.noise.sigma_m(place.z_m);
-    Sum& sum = sums[static_cast<std::size_t>(cell_piece_[i])];
+    DepthSum& sum = sums[static_cast<std::size_t>(cell_piece_[i])];
     // Behind something, or before it: clipped, so that a few do not decide.
     const float most_m = 0.05F + 3 * sigma_m;
     sum.off_m += std::clamp(place.z_m - z_m, -most_m, most_m);
@@ -200,41 +216,40 @@ std::vector<double> PairedPieces::depth_chi2(const SE3& T_now_then) const {
     sum.z_m += z_m;
     ++sum.count;
   }
-  for (std::size_t p = 0; p < out.size(); ++p) {
-    const Sum& s = sums[p];
-    if (s.count < kLeastCells) continue;
-    const auto n = static_cast<double>(s.count);
-    const double z_m = s.z_m / n, off_m = s.off_m / n;
-    const double floor_m = kDepthFloor_m + kDepthFloor_per_m * z_m * z_m;
-    out[p] = off_m * off_m / (s.variance_m2 / (n * n) + floor_m * floor_m) / excess_;
-  }
-  return out;
+}
+
+double PairedPieces::depth_chi2(const DepthSum& sum) const {
+  if (sum.count < kLeastCells) return -1;
+  const auto n = static_cast<double>(sum.count);
+  const double z_m = sum.z_m / n, off_m = sum.off_m / n;
+  const double floor_m = kDepthFloor_m + kDepthFloor_per_m * z_m * z_m;
+  return off_m * off_m / (sum.variance_m2 / (n * n) + floor_m * floor_m) / excess_;
 }
 
 std::vector<PieceMotion> PairedPieces::motions(const SE3& T_now_then) const {
   std::vector<PieceMotion> out;
   out.reserve(groups_.size());
-  Residuals off;
   for (const Group& g : groups_) {
-    out.push_back({g.piece, static_cast<int>(g.count), chi2_of(g, T_now_then, off)});
+    out.push_back({g.piece, static_cast<int>(g.count), chi2_of(g, T_now_then)});
   }
   return out;
 }
 
 SE3 PairedPieces::fitted(const SE3& start, std::span<const int> groups,
                          std::span<const float> weight) const {
-  std::vector<PoseObservation> observations;
+  const auto weight_of_pair = [&](const Group& group) {
+    return weight[static_cast<std::size_t>(group.piece)] / static_cast<double>(group.count);
+  };
   double mean = 0;
   for (const int g : groups) {
-    const Group& group = groups_[static_cast<std::size_t>(g)];
-    mean += weight[static_cast<std::size_t>(group.piece)] / static_cast<double>(group.count) /
-            static_cast<double>(groups.size());
+    mean +=
+        weight_of_pair(groups_[static_cast<std::size_t>(g)]) / static_cast<double>(groups.size());
   }
+  std::vector<PoseObservation>& observations = scratch_.observations;
+  observations.clear();
   for (const int g : groups) {
     const Group& group = groups_[static_cast<std::size_t>(g)];
-    const double say = std::clamp(
-        weight[static_cast<std::size_t>(group.piece)] / static_cast<double>(group.count) / mean,
-        0.05, 1.0);
+    const double say = std::clamp(weight_of_pair(group) / mean, 0.05, 1.0);
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
       const Pair& pair = pairs_[i];
       observations.push_back({pair.p_then,
@@ -249,75 +264,97 @@ SE3 PairedPieces::fitted(const SE3& start, std::span<const int> groups,
   return solved.inliers >= 6 ? solved.T_camera_world : start;
 }
 
-PairedPieces::Support PairedPieces::support(const SE3& T_now_then,
-                                            std::span<const float> weight) const {
-  std::vector<double> chi2 = depth_chi2(T_now_then);
-  chi2.resize(weight.size(), -1.0);
-  Residuals off;
+PairedPieces::Support PairedPieces::support(const SE3& T_now_then, std::span<const float> weight,
+                                            double at_least) const {
+  std::vector<double>& chi2 = scratch_.chi2;
+  chi2.assign(weight.size(), -1.0);
+  const auto say = [&](std::size_t p, double c) {
+    return weight[p] * std::max(0.0, 1.0 - c / options_.still_chi2);
+  };
+  double most = std::accumulate(weight.begin(), weight.end(), 0.0);  // if depth has no objection
   for (const Group& g : groups_) {
-    double& c = chi2[static_cast<std::size_t>(g.piece)];
-    c = std::max(0.0, c) + chi2_of(g, T_now_then, off);
+    const auto p = static_cast<std::size_t>(g.piece);
+    chi2[p] = chi2_of(g, T_now_then);
+    most -= weight[p] - say(p, chi2[p]);
   }
   Support out;
+  if (most < at_least) return out;
+  sum_depth(T_now_then);
   for (std::size_t p = 0; p < chi2.size(); ++p) {
-    if (chi2[p] < 0) continue;
+    const double by_depth = p < scratch_.depth.size() ? depth_chi2(scratch_.depth[p]) : -1;
+    if (chi2[p] < 0 && by_depth < 0) continue;
+    const double agreeing = say(p, std::max(0.0, chi2[p]) + std::max(0.0, by_depth));
     out.total += weight[p];
-    out.agreeing += weight[p] * std::max(0.0, 1.0 - chi2[p] / options_.still_chi2);
+    out.agreeing += agreeing;
+    if (agreeing > 0) out.standing += weight[p];
   }
   return out;
 }
 
-std::vector<int> PairedPieces::agreeing(const SE3& T_now_then, std::span<const float> weight,
-                                        double chi2_limit) const {
-  std::vector<int> groups;
-  Residuals off;
+std::span<const int> PairedPieces::agreeing(const SE3& T_now_then, std::span<const float> weight,
+                                            double chi2_limit) const {
+  std::vector<int>& groups = scratch_.groups;
+  groups.clear();
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (weight[static_cast<std::size_t>(groups_[g].piece)] <= 0) continue;
-    if (chi2_of(groups_[g], T_now_then, off) < chi2_limit) groups.push_back(static_cast<int>(g));
+    if (chi2_of(groups_[g], T_now_then) < chi2_limit) groups.push_back(static_cast<int>(g));
   }
   return groups;
 }
 
 SE3 PairedPieces::polished(SE3 T_now_then, std::span<const float> weight) const {
   constexpr double kNoWorse = 0.95;
+  double agreed = support(T_now_then, weight).agreeing;
   for (const double limit : {options_.moved_chi2, options_.still_chi2, options_.still_chi2}) {
     const SE3 fit = fitted(T_now_then, agreeing(T_now_then, weight, limit), weight);
-    if (support(fit, weight).agreeing < kNoWorse * support(T_now_then, weight).agreeing) break;
+    const double agreeing = support(fit, weight).agreeing;
+    if (agreeing < kNoWorse * agreed) break;
+    agreed = agreeing;
     T_now_then = fit;
   }
   return T_now_then;
 }
 
+std::optional<SE3> PairedPieces::proposal(const SE3& expected, std::span<const float> weight,
+                                          std::span<const double> reach,
+                                          std::mt19937& random) const {
+  std::array<int, kDrawn> drawn{};
+  for (int& g : drawn) {
+    const double at = std::generate_canonical<double, 32>(random) * reach.back();
+    g = static_cast<int>(std::upper_bound(reach.begin(), reach.end() - 1, at) - reach.begin());
+  }
+  std::sort(drawn.begin(), drawn.end());
+  if (std::adjacent_find(drawn.begin(), drawn.end()) != drawn.end()) return {};
+  return fitted(expected, drawn, weight);
+}
+
 SE3 PairedPieces::consensus(const SE3& expected, std::span<const float> weight, int proposals,
                             unsigned seed) const {
   std::vector<double> reach;
+  reach.reserve(groups_.size());
   for (const Group& g : groups_) {
     const double w = weight[static_cast<std::size_t>(g.piece)];
     reach.push_back((reach.empty() ? 0.0 : reach.back()) + w);
   }
   if (groups_.size() < 3 || reach.back() <= 0) return expected;
-  const SE3 next_to_it = polished(expected, weight);
-  SE3 best = next_to_it;
+  SE3 best = polished(expected, weight);
   const Support at_once = support(best, weight);
-  // Where nearly all agree, nothing better is to be found.
-  if (at_once.agreeing > kNearlyAll * at_once.total) return best;
   double most = at_once.agreeing * likelihood_of_step(best, expected);
+  double share = at_once.share();
   std::mt19937 random(seed);
-  for (int k = 0; k < proposals; ++k) {
-    std::array<int, 4> drawn{};
-    for (int& g : drawn) {
-      const double at = std::generate_canonical<double, 32>(random) * reach.back();
-      g = static_cast<int>(std::upper_bound(reach.begin(), reach.end() - 1, at) - reach.begin());
-    }
-    std::sort(drawn.begin(), drawn.end());
-    if (std::adjacent_find(drawn.begin(), drawn.end()) != drawn.end()) continue;
-    const SE3 proposal = fitted(expected, drawn, weight);
-    const double sum = support(proposal, weight).agreeing * likelihood_of_step(proposal, expected);
-    if (sum <= most) continue;
-    most = sum;
-    best = proposal;
+  bool found = false;
+  for (int k = 0; k < std::min(proposals, enough_draws(share)); ++k) {
+    const std::optional<SE3> next = proposal(expected, weight, reach, random);
+    if (!next) continue;
+    const double likelihood = likelihood_of_step(*next, expected);
+    const Support said = support(*next, weight, most / likelihood);
+    if (said.agreeing * likelihood <= most) continue;
+    most = said.agreeing * likelihood;
+    share = said.share();
+    best = *next;
+    found = true;
   }
-  return polished(best, weight);
+  return found ? polished(best, weight) : best;
 }
 
 }  // namespace ydd

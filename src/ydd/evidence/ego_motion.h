@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+#include <random>
 #include <span>
 #include <vector>
 
@@ -9,6 +11,7 @@
 #include "ydd/evidence/surfaces.h"
 #include "ydd/features/matching.h"
 #include "ydd/geometry/se3.h"
+#include "ydd/optimization/pose_only.h"
 
 namespace ydd {
 
@@ -32,7 +35,7 @@ struct PieceMotion {
   double chi2 = 0;  ///< of its middle 3-D residual; 3 degrees of freedom
 };
 
-/// The pairs of two frames, by the pieces of surface that they lie on now.
+/// The pairs of two frames, by the pieces of surface that they lie on now. Thread: one.
 class PairedPieces {
  public:
   PairedPieces() = default;
@@ -54,12 +57,14 @@ class PairedPieces {
   void set_excess(double excess) { excess_ = excess; }
 
   /// What pieces say of a motion, by weight: each agrees by how far its chi-square is below the
-  /// limit of standing still.
+  /// limit of standing still. Where less than `at_least` agree, it may come back as none.
   struct Support {
-    double agreeing = 0;
-    double total = 0;  ///< of all that can tell
+    double agreeing = 0;  ///< each by how well
+    double standing = 0;  ///< each that is below the limit, whole
+    double total = 0;     ///< of all that can tell
+    double share() const { return total > 0 ? standing / total : 0; }
   };
-  Support support(const SE3& T_now_then, std::span<const float> weight) const;
+  Support support(const SE3& T_now_then, std::span<const float> weight, double at_least = 0) const;
 
   /// The motion that most weight of pieces agrees with, with some preference for motions next to
   /// `expected`. `weight` is that of each piece (by its number): what it vouches for. Four pieces
@@ -77,22 +82,35 @@ class PairedPieces {
     int piece = 0;
     std::size_t first = 0, count = 0;  ///< of the pairs
   };
-  /// Residuals of one group; kept between calls, so that these need no memory of their own.
-  struct Residuals {
-    std::vector<double> du_px, dv_px, dz_m;
+  /// By how far the depth of one piece is off.
+  struct DepthSum {
+    float off_m = 0, variance_m2 = 0, z_m = 0;
+    int count = 0;
   };
-  double chi2_of(const Group& group, const SE3& T_now_then, Residuals& off) const;
+  /// What calls work in; kept between them, so that they need no memory of their own.
+  struct Scratch {
+    std::vector<double> du_px, dv_px, dz_m;  ///< residuals of one group
+    std::vector<double> chi2;                ///< of pieces; negative: cannot tell
+    std::vector<DepthSum> depth;             ///< of pieces
+    std::vector<PoseObservation> observations;
+    std::vector<int> groups;
+  };
+  double chi2_of(const Group& group, const SE3& T_now_then) const;
   SE3 fitted(const SE3& start, std::span<const int> groups, std::span<const float> weight) const;
+  /// The groups with a say whose chi-square is below the limit; until the next call.
+  std::span<const int> agreeing(const SE3& T_now_then, std::span<const float> weight,
+                                double chi2_limit) const;
+  /// Least squares over what agrees, as long as that loses no support.
+  SE3 polished(SE3 T_now_then, std::span<const float> weight) const;
+  /// The motion that four pieces, drawn by weight, agree on; none: the draw was no good.
+  std::optional<SE3> proposal(const SE3& expected, std::span<const float> weight,
+                              std::span<const double> reach, std::mt19937& random) const;
+  void sum_depth(const SE3& T_now_then) const;
+  /// Of a piece, by its depth alone; 1 degree of freedom; negative: it cannot tell.
+  double depth_chi2(const DepthSum& sum) const;
 
   Camera camera_;
   EvidenceOptions options_;
-  /// The groups with a say whose chi-square is below the limit.
-  std::vector<int> agreeing(const SE3& T_now_then, std::span<const float> weight,
-                            double chi2_limit) const;
-  /// Least squares over what agrees, as long as that loses no support.
-  SE3 polished(SE3 T_now_then, std::span<const float> weight) const;
-  std::vector<double> depth_chi2(const SE3& T_now_then) const;
-
   double excess_ = 1;
   std::vector<Eigen::Vector3f> cell_points_;
   std::vector<int> cell_piece_;
@@ -100,6 +118,7 @@ class PairedPieces {
   int piece_count_ = 0;
   std::vector<Pair> pairs_;  ///< by piece
   std::vector<Group> groups_;
+  mutable Scratch scratch_;
 };
 
 }  // namespace ydd

@@ -36,6 +36,7 @@ std::shared_ptr<const Features> some_of(const Features& features, const MotionOd
   const int rows = odds.depth.grid.rows / 4 + 1;
   std::vector<int> taken(static_cast<std::size_t>(columns * rows), 0);
   std::vector<int> chosen;
+  chosen.reserve(features.size());
   for (std::size_t i = 0; i < features.size(); ++i) {
     if (!features.has_depth(i)) continue;
     const Keypoint& k = features.keypoints[i];
@@ -57,6 +58,7 @@ double excess_of(std::span<const PieceMotion> motions, std::span<const float> we
   constexpr double kShare = 0.4, kChi2 = 1.87;
   constexpr std::size_t kLeastPieces = 5;
   std::vector<std::pair<double, double>> sorted;
+  sorted.reserve(motions.size());
   double total = 0;
   for (const PieceMotion& m : motions) {
     const double w = weight[static_cast<std::size_t>(m.piece)];
@@ -84,6 +86,7 @@ void MotionEvidence::clear() {
   seen_.clear();
   T_now_last_.reset();
   now_.reset();
+  last_pieces_.reset();
   odds_ = {};
   excess_ = 1;
   frames_ = 0;
@@ -93,11 +96,12 @@ double MotionEvidence::trust() const {
   return frames_ < kYoung ? options_.trust : options_.trust_grown;
 }
 
-SE3 MotionEvidence::predicted_motion(Timestamp stamp) const {
-  if (!T_now_last_ || interval_s_ <= 0) return {};
+SE3 MotionEvidence::predicted_pose(Timestamp stamp) const {
+  if (!T_now_last_ || interval_s_ <= 0) return T_origin_last_;
   constexpr double kLongest = 4.0;  // nobody keeps a speed for long
-  const double intervals = seconds_between(seen_.back().stamp, stamp) / interval_s_;
-  return SE3::exp(std::clamp(intervals, 0.0, kLongest) * T_now_last_->log());
+  const double intervals = seconds_between(last_stamp_, stamp) / interval_s_;
+  const double steps = std::clamp(intervals, 0.0, kLongest);
+  return T_origin_last_ * SE3::exp(steps * T_now_last_->log()).inverse();
 }
 
 const MotionEvidence::Seen& MotionEvidence::nearest_age(Timestamp stamp, double age_s) const {
@@ -109,9 +113,10 @@ const MotionEvidence::Seen& MotionEvidence::nearest_age(Timestamp stamp, double 
 }
 
 std::vector<const MotionEvidence::Seen*> MotionEvidence::witnesses() const {
+  // Each frame hears every other one, the next frame the rest: they change little.
   std::vector<const Seen*> out;
-  for (const double age_s : kWitnessAges_s) {
-    const Seen* s = &nearest_age(now_->stamp, age_s);
+  for (std::size_t i = frames_ % 2; i < kWitnessAges_s.size(); i += 2) {
+    const Seen* s = &nearest_age(now_->stamp, kWitnessAges_s[i]);
     if (out.empty() || out.back() != s) out.push_back(s);
   }
   return out;
@@ -127,13 +132,16 @@ const MotionOdds& MotionEvidence::look(std::shared_ptr<const Features> features,
     return odds_;
   }
   const Seen& last = seen_.back();
-  const SE3 T_now_last = predicted_motion(stamp);
-  const SE3 T_origin_expected = last.T_origin_camera * T_now_last.inverse();
-  carried_ = carried_odds(odds_, now_->depth, T_now_last.inverse(), camera_, rays_, options_);
+  const SE3 T_origin_expected = predicted_pose(stamp);
+  before_ = std::move(odds_);
+  carried_ = carried_odds(before_, now_->depth, last.T_origin_camera.inverse() * T_origin_expected,
+                          camera_, rays_, options_);
   odds_ = carried_;
   surfaces_ = find_surfaces(now_->depth, rays_, options_);
+  grid_ = KeypointGrid(*now_->features, camera_);
   earlier_ = &nearest_age(stamp, kPairAge_s);
   pieces_ = paired(*earlier_, T_origin_expected);
+  if (earlier_ != &last) last_pieces_ = paired(last, T_origin_expected);
   weight_ = piece_weights();
   const SE3 T_now_earlier = pieces_->consensus(
       T_origin_expected.inverse() * earlier_->T_origin_camera, weight_, kProposals, frames_);
@@ -146,7 +154,7 @@ const MotionOdds& MotionEvidence::look(std::shared_ptr<const Features> features,
 void MotionEvidence::settle(const std::optional<SE3>& T_now_last, std::vector<float> prior) {
   if (!now_) return;
   if (!seen_.empty() && T_now_last) {
-    const SE3 tracked = seen_.back().T_origin_camera * T_now_last->inverse();
+    const SE3 tracked = T_origin_last_ * T_now_last->inverse();
     const auto support = [&](const SE3& T_origin_now) {
       return pieces_->support(T_origin_now.inverse() * earlier_->T_origin_camera, weight_).agreeing;
     };
@@ -158,6 +166,15 @@ void MotionEvidence::settle(const std::optional<SE3>& T_now_last, std::vector<fl
   }
   odds_.prior = std::move(prior);
   remember();
+}
+
+void MotionEvidence::withhold(const std::optional<SE3>& T_now_last) {
+  if (!now_) return;
+  if (seen_.empty()) return clear();
+  move_on(T_now_last ? T_origin_last_ * T_now_last->inverse() : predicted_pose(now_->stamp));
+  odds_ = std::move(before_);
+  last_pieces_.reset();
+  now_.reset();
 }
 
 void MotionEvidence::set_excess(const SE3& T_origin_now) {
@@ -173,8 +190,7 @@ void MotionEvidence::judge(const SE3& T_origin_now) {
   odds_ = carried_;
   std::vector<float> gathered(static_cast<std::size_t>(surfaces_.count), 0.0F);
   gather_motions(*earlier_, *pieces_, gathered);
-  const Seen& last = seen_.back();
-  if (&last != earlier_) gather_motions(last, paired(last, T_origin_now), gathered);
+  if (last_pieces_) gather_motions(seen_.back(), *last_pieces_, gathered);
   gather_space(gathered);
   conclude(gathered);
 }
@@ -192,9 +208,8 @@ std::vector<int> MotionEvidence::pieces_of(std::span<const FeaturePair> pairs) c
 }
 
 PairedPieces MotionEvidence::paired(const Seen& then, const SE3& T_origin_now) const {
-  const KeypointGrid grid(*now_->features, camera_);
   const std::vector<FeaturePair> pairs =
-      pair_features(*then.features, *now_->features, grid,
+      pair_features(*then.features, *now_->features, grid_,
                     T_origin_now.inverse() * then.T_origin_camera, camera_, options_);
   PairedPieces pieces(*then.features, *now_->features, pairs, pieces_of(pairs), camera_, options_);
   pieces.set_excess(excess_);
@@ -290,15 +305,21 @@ void MotionEvidence::conclude(std::span<const float> gathered) {
   }
 }
 
-void MotionEvidence::remember() {
+void MotionEvidence::move_on(const SE3& T_origin_now) {
   if (!seen_.empty()) {
-    const Seen& last = seen_.back();
-    T_now_last_ = now_->T_origin_camera.inverse() * last.T_origin_camera;
-    interval_s_ = seconds_between(last.stamp, now_->stamp);
+    T_now_last_ = T_origin_now.inverse() * T_origin_last_;
+    interval_s_ = seconds_between(last_stamp_, now_->stamp);
   }
+  T_origin_last_ = T_origin_now;
+  last_stamp_ = now_->stamp;
+}
+
+void MotionEvidence::remember() {
+  move_on(now_->T_origin_camera);
   // Little is known yet: the more witnesses, the better.
   const int more = frames_ < kYoung ? 4 : 1;
   now_->features = some_of(*now_->features, odds_, more * options_.features_of_place);
+  last_pieces_.reset();
   seen_.push_back(*std::exchange(now_, {}));
   // From the oldest on: one goes whose neighbours are close enough for its age without it.
   const auto age_s = [&](std::size_t i) {

@@ -36,6 +36,10 @@ class MotionEvidence {
   /// cell moves by the class of what was detected there; empty: nothing was.
   void settle(const std::optional<SE3>& T_now_last, std::vector<float> prior);
 
+  /// The same, but its depth or its pose is doubted: it is no witness, and what was known before it
+  /// stays what is known.
+  void withhold(const std::optional<SE3>& T_now_last);
+
   const MotionOdds& odds() const { return odds_; }
   void clear();
 
@@ -48,7 +52,7 @@ class MotionEvidence {
   };
   /// In the tracked motion against the best one, as share of its support.
   double trust() const;
-  SE3 predicted_motion(Timestamp stamp) const;
+  SE3 predicted_pose(Timestamp stamp) const;
   const Seen& nearest_age(Timestamp stamp, double age_s) const;
   std::vector<const Seen*> witnesses() const;
   std::vector<int> pieces_of(std::span<const FeaturePair> pairs) const;
@@ -61,22 +65,29 @@ class MotionEvidence {
   void gather_motions(const Seen& then, const PairedPieces& pieces,
                       std::span<float> gathered) const;
   void conclude(std::span<const float> gathered);
+  /// The frame stood there.
+  void move_on(const SE3& T_origin_now);
   void remember();
 
   EvidenceOptions options_;
   Camera camera_;
   std::vector<Eigen::Vector2f> rays_;
-  std::deque<Seen> seen_;               ///< oldest first
-  std::optional<SE3> T_now_last_;       ///< velocity, ...
-  double interval_s_ = 0;               ///< ... over this time
-  std::optional<Seen> now_;             ///< looked at, not settled
-  Surfaces surfaces_;                   ///< of now
-  std::optional<PairedPieces> pieces_;  ///< of now and an earlier frame
-  const Seen* earlier_ = nullptr;       ///< that one
-  std::vector<float> weight_;           ///< of pieces
-  MotionOdds carried_;                  ///< what was known of now before it was looked at
-  MotionOdds odds_;                     ///< of now
-  double excess_ = 1;                   ///< of the sensor's residuals over its noise model
+  std::deque<Seen> seen_;                    ///< oldest first
+  std::optional<SE3> T_now_last_;            ///< velocity, ...
+  double interval_s_ = 0;                    ///< ... over this time, ...
+  SE3 T_origin_last_;                        ///< ... up to this pose, of the last frame, ...
+  Timestamp last_stamp_;                     ///< ... which need not be among those seen
+  std::optional<Seen> now_;                  ///< looked at, not settled
+  Surfaces surfaces_;                        ///< of now
+  KeypointGrid grid_;                        ///< of its features
+  std::optional<PairedPieces> pieces_;       ///< of now and an earlier frame
+  const Seen* earlier_ = nullptr;            ///< that one
+  std::optional<PairedPieces> last_pieces_;  ///< of now and the last frame, if that is another
+  std::vector<float> weight_;                ///< of pieces
+  MotionOdds before_;                        ///< of the newest frame seen
+  MotionOdds carried_;                       ///< what was known of now before it was looked at
+  MotionOdds odds_;                          ///< of now
+  double excess_ = 1;                        ///< of the sensor's residuals over its noise model
   unsigned frames_ = 0;
 };
 

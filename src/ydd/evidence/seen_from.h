@@ -29,8 +29,9 @@ class SeenFrom {
     constexpr float kNearest_m = 0.05F;
     const Eigen::Vector3f p = rotation_ * p_here + shift_m_;
     if (p.z() <= kNearest_m) return false;
-    place = {p.z(), focal_px_.x() * p.x() / p.z() + centre_px_.x(),
-             focal_px_.y() * p.y() / p.z() + centre_px_.y()};
+    const float per_z = 1.0F / p.z();
+    place = {p.z(), focal_px_.x() * (p.x() * per_z) + centre_px_.x(),
+             focal_px_.y() * (p.y() * per_z) + centre_px_.y()};
     if (!lens_) return true;
     const Eigen::Vector2d px = camera_->distort({place.x_px, place.y_px});
     place.x_px = static_cast<float>(px.x());

@@ -15,6 +15,7 @@ Surfaces find_surfaces(const CoarseDepth& depth, std::span<const Eigen::Vector2f
   const auto reach2_m2 = static_cast<float>(options.patch_radius_m * options.patch_radius_m);
   const auto step_share = static_cast<float>(options.step_share);
   std::vector<int> waiting;
+  waiting.reserve(static_cast<std::size_t>(grid.cells()));
   for (int first = 0; first < grid.cells(); ++first) {
     const auto start = static_cast<std::size_t>(first);
     if (depth.z_m[start] <= 0 || out.piece[start] >= 0) continue;

@@ -310,13 +310,12 @@ PoseOnlyResult optimize_pose(const Camera& camera, const SE3& T_camera_world,
                              const PoseOnlyOptions& options) {
   constexpr int kFewest = 3;
   constexpr double kAnyDistance = 1e100;
-  PoseOnlyResult none;
-  none.T_camera_world = T_camera_world;
-  none.inlier.assign(observations.size(), 0);
-
+  const auto none = [&] {
+    return PoseOnlyResult{T_camera_world, std::vector<std::uint8_t>(observations.size()), 0};
+  };
   const Evaluator evaluator(camera, options);
   std::vector<Block> blocks = pack(observations);
-  if (evaluator.judge(blocks, T_camera_world, kAnyDistance).inliers < kFewest) return none;
+  if (evaluator.judge(blocks, T_camera_world, kAnyDistance).inliers < kFewest) return none();
 
   SE3 T = T_camera_world;
   int inliers = 0;
@@ -328,7 +327,7 @@ PoseOnlyResult optimize_pose(const Camera& camera, const SE3& T_camera_world,
     T = minimum.T_camera_world;
     const Verdict verdict = evaluator.judge(blocks, T);
     inliers = verdict.inliers;
-    if (inliers < kFewest) return none;
+    if (inliers < kFewest) return none();
     if (!robust && minimum.settled && !verdict.changed) break;  // the next round would not move
   }
   PoseOnlyResult result;

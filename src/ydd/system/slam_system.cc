@@ -100,6 +100,7 @@ void SlamSystem::judge(const RgbdFrame& frame, const std::shared_ptr<const Featu
 void SlamSystem::settle_evidence(FrameReport& report) {
   if (!report.odds) return;
   StageTimer timer(report.times, "settle_evidence");
+  if (!report.track.doubt.empty()) return evidence_.withhold(report.track.T_camera_last);
   evidence_.settle(report.track.T_camera_last,
                    prior_of_cells(report.judgement.regions, *report.odds));
 }
