@@ -166,7 +166,7 @@ void add_report_command(CLI::App& app, Job& job) {
                       "The page (default comparison.html, or RUN/report.html of one run)");
   command->footer(
       "Examples:\n"
-      "  ydd-slam report runs/demo/office-off runs/demo/office-full --out office.html\n"
+      "  ydd-slam report runs/demo/office-off runs/demo/office --out office.html\n"
       "  ydd-slam report runs/latest --trajectory orb_slam3=CameraTrajectory.txt\n"
       "  ydd-slam report runs/latest");
   command->callback([arguments, &job] {

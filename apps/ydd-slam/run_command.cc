@@ -34,8 +34,8 @@ void add_method_options(CLI::App& command, RunRequest& request) {
   command.add_option("--config", request.config, "YAML file with options");
   command.add_option("--set", request.set, "Set one option: key=value")->allow_extra_args(false);
   command.add_option("--dynamic", request.dynamic,
-                     "What is rejected: off | box | person | full | evidence (by what the last "
-                     "frames show, with a detector or without)");
+                     "What is rejected: off | box | person | full | evidence (default: by what the "
+                     "last frames show, with a detector or without)");
   command.add_option("--detector", request.detector,
                      "Detector YAML (configs/detector/) that looks for objects; none: no "
                      "detector (default: YDD_DETECTOR, else the network of the program)");
