@@ -19,6 +19,7 @@ constexpr float kMostArea_m2 = 0.2F;  // of a piece, that counts
 constexpr int kFeaturesOfPiece = 4;   // beyond these, more say no more
 constexpr unsigned kYoung = 45;       // frames in which a map of the room is begun
 constexpr float kUneasy = 0.5F;       // log-odds that end a calm
+constexpr float kStartled = 0.5F;     // gathered from one frame: it does, too
 constexpr int kProposals = 40;
 constexpr double kSame_m = 0.003, kSame_rad = 0.003;  // poses that make the same evidence
 
@@ -296,12 +297,14 @@ void MotionEvidence::conclude(std::span<const float> gathered) {
   const auto step_s = static_cast<float>(seconds_between(seen_.back().stamp, now_->stamp));
   for (std::size_t i = 0; i < odds_.log_odds.size(); ++i) {
     if (surfaces_.piece[i] < 0) continue;
-    const float before = static_cast<float>(options_.decay) * odds_.log_odds[i];
-    const float log_odds = before + gathered[static_cast<std::size_t>(surfaces_.piece[i])];
+    const float found = gathered[static_cast<std::size_t>(surfaces_.piece[i])];
+    const float log_odds = static_cast<float>(options_.decay) * odds_.log_odds[i] + found;
     odds_.log_odds[i] = std::clamp(log_odds, -most, most);
     if (log_odds > options_.moves_above) odds_.moves[i] = 1;
     if (log_odds < options_.still_below) odds_.moves[i] = 0;
-    odds_.calm_s[i] = log_odds > kUneasy ? 0.0F : odds_.calm_s[i] + step_s;
+    // Whoever has sat for long gets up at once: the odds follow within frames.
+    const bool uneasy = log_odds > kUneasy || found > kStartled;
+    odds_.calm_s[i] = uneasy ? 0.0F : odds_.calm_s[i] + step_s;
   }
 }
 
