@@ -10,12 +10,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "accuracy.h"
 #include "altered_sequence.h"
 #include "command_line.h"
-#include "ydd/dataset/trajectory.h"
 #include "ydd/detection/boxes.h"
 #include "ydd/detection/recorded_detections.h"
-#include "ydd/evaluation/ate.h"
 
 namespace ydd::e2e {
 namespace {
@@ -83,12 +82,7 @@ TEST(DefaultDetector, IsWhatARunUses) {
   const json summary = json::parse(read_file(folder / "a/summary.json").value());
   EXPECT_EQ(summary.at("variant"), "evidence");
   if (kSanitized) return;
-  const auto truth = read_tum_trajectory(kSample / "groundtruth.txt");
-  const auto estimate = read_tum_trajectory(folder / "a/trajectory.tum");
-  ASSERT_TRUE(truth && estimate);
-  const auto ate = absolute_trajectory_error(*truth, *estimate);
-  ASSERT_TRUE(ate);
-  EXPECT_LT(ate->statistics_m.rmse, 0.02);  // 0.24 when nothing is rejected
+  EXPECT_LT(ate_m(kSample, folder / "a"), 0.02);  // 0.24 when nothing is rejected
 }
 
 TEST(DefaultDetector, IsLeftOutWhereNothingIsRejected) {

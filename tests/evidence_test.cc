@@ -2,15 +2,12 @@
 //
 // Whole runs of variant `evidence` through the binary: what stands still is kept and what moves is
 // found, whatever it is called (docs/method.md, section 11).
-#include <cmath>
-
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "accuracy.h"
 #include "small_world.h"
 #include "ydd/base/files.h"
-#include "ydd/dataset/trajectory.h"
-#include "ydd/evaluation/ate.h"
 
 namespace ydd::e2e {
 namespace {
@@ -22,19 +19,12 @@ std::vector<std::string> of(const std::string& variant, std::vector<std::string>
   return more;
 }
 
-/// Error of a run; fails without a trajectory.
+/// Error of a run in metres.
 double ate_of(const fs::path& sequence, const fs::path& out, std::vector<std::string> options) {
   options.insert(options.begin(), {"run", sequence.string(), "--out", out.string()});
   const Outcome outcome = ydd_slam(options);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  const auto truth = read_tum_trajectory(sequence / "groundtruth.txt");
-  const auto estimate = read_tum_trajectory(out / "trajectory.tum");
-  if (!truth || !estimate) {
-    ADD_FAILURE() << "no trajectory in " << out;
-    return std::nan("");
-  }
-  const auto ate = absolute_trajectory_error(*truth, *estimate);
-  return ate ? ate->statistics_m.rmse : std::nan("");
+  return ate_m(sequence, out);
 }
 
 fs::path world(const std::string& name, const std::vector<std::string>& options) {

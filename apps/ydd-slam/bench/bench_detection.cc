@@ -7,6 +7,7 @@
 #include "run/run_job.h"
 #include "ydd/base/timing.h"
 #include "ydd/evaluation/ate.h"
+#include "ydd/system/system_options.h"
 
 namespace ydd::app {
 namespace {
@@ -33,8 +34,10 @@ Result<Row> measure(const BenchCase& bench_case, const BenchRequest& request, in
   if (!ate) return ate.error();
   row.ate_m = std::move(*ate);
   if (!fs::is_directory(bench_case.folder / "mask")) return row;
+  const Result<SystemOptions> options = system_options(request.set);
+  if (!options) return options.error();
   const Result<PointDecisions> judged =
-      judge_sequence(bench_case, Variant::full, request.set, latency);
+      judge_sequence(bench_case, options->dynamics.variant, request.set, latency);
   if (!judged) return judged.error();
   row.points = judged->quality;
   return row;

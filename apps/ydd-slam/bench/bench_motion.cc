@@ -68,10 +68,10 @@ Result<std::string> bench_motion(const SeedRequest& request) {
   }
   json["rigid"] = {{"seconds", seconds}, {"false_alarms", alarms}, {"false_share", false_share}};
   table += fmt::format(
-      "\nFrames until half of a mover of 0.5 m is judged to move: median (largest) of {} worlds; "
-      "60: "
+      "\nFrames until half of a mover of {} m is judged to move: median (largest) of {} worlds; "
+      "{}: "
       "not found.\nNothing moves: {} false alarms in {:.0f} s, {:.4f} % of the cells.\n",
-      request.seeds, alarms, seconds, 100 * false_share);
+      still.side_m, request.seeds, still.frames, alarms, seconds, 100 * false_share);
   return table_and_json(std::move(table), json, request.out);
 }
 

@@ -49,7 +49,7 @@ class PairedPieces {
                  std::span<const Eigen::Vector2f> rays, const CoarseDepth& then);
 
   /// How well each piece agrees with a motion of the camera alone. Pieces with fewer than
-  /// `least_pairs` are left out.
+  /// three pairs are left out.
   std::vector<PieceMotion> motions(const SE3& T_now_then) const;
 
   /// What residuals are judged against from now on: by how much this sensor's chi-square exceeds

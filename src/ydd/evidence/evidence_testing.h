@@ -5,15 +5,18 @@
 
 namespace ydd::evidence_testing {
 
-/// 20 x 15 cells of 8 px; at 2 m a cell is 0.1 m wide.
-inline Camera small_camera() {
+/// Without a lens, its axis through the middle of the picture.
+inline Camera centred_camera(int width_px, int height_px, double focal_px) {
   Camera camera;
-  camera.width_px = 160;
-  camera.height_px = 120;
-  camera.fx_px = camera.fy_px = 160;
-  camera.cx_px = 79.5;
-  camera.cy_px = 59.5;
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  camera.fx_px = camera.fy_px = focal_px;
+  camera.cx_px = 0.5 * (width_px - 1);
+  camera.cy_px = 0.5 * (height_px - 1);
   return camera;
 }
+
+/// 20 x 15 cells of 8 px; at 2 m a cell is 0.1 m wide.
+inline Camera small_camera() { return centred_camera(160, 120, 160); }
 
 }  // namespace ydd::evidence_testing

@@ -6,31 +6,26 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ydd/evidence/evidence_testing.h"
+
 namespace ydd {
 namespace {
 
 using testing::Each;
 
-Camera evidence_camera() {
-  Camera camera;
-  camera.width_px = 320;
-  camera.height_px = 240;
-  camera.fx_px = camera.fy_px = 260;
-  camera.cx_px = 159.5;
-  camera.cy_px = 119.5;
-  return camera;
-}
+Camera evidence_camera() { return evidence_testing::centred_camera(320, 240, 260); }
 
 /// A camera that stands before a wall at 2 m with features on it.
 class WallWatch {
  public:
   WallWatch() : evidence_(cells_of_8_px(), evidence_camera()) {}
 
-  /// The next frame at 30 Hz; with a bare box at 1.2 m in the middle of the view.
-  const MotionOdds& look(bool box) {
+  /// The next frame at 30 Hz; with a bare box at 1.2 m in the middle of the view, or nearer.
+  const MotionOdds& look(bool box, float nearer_m = 0) {
     std::vector<float> pixels(std::size_t{320} * 240, 2.0F);
     for (int y = 80; y < 160 && box; ++y) {
-      for (int x = 120; x < 200; ++x) pixels[static_cast<std::size_t>(y * 320 + x)] = 1.2F;
+      for (int x = 120; x < 200; ++x)
+        pixels[static_cast<std::size_t>(y * 320 + x)] = 1.2F - nearer_m;
     }
     const DepthImage depth_m(320, 240, std::move(pixels));
     const Timestamp stamp{33'333'333 * ++frames_};
@@ -110,6 +105,49 @@ TEST(MotionEvidence, WhatHasComeAndStaysComesToRest) {
   wall.watch(150, true);
   EXPECT_EQ(wall.evidence().odds().moves[wall.middle()], 0);
   EXPECT_LT(wall.evidence().odds().log_odds[wall.middle()], 0.0F);
+}
+
+TEST(MotionEvidence, ACalmEndsAtOnceWhateverTheOddsWere) {
+  WallWatch wall;
+  wall.watch(40, false);
+  wall.watch(150, true);
+  ASSERT_GT(wall.evidence().odds().calm_s[wall.middle()], 1.0F);
+  ASSERT_LT(wall.evidence().odds().log_odds[wall.middle()], -2.0F);
+  const MotionOdds& odds = wall.look(true, 0.1F);
+  EXPECT_EQ(odds.calm_s[wall.middle()], 0.0F);
+  EXPECT_GT(odds.calm_s[wall.corner()], 1.0F);
+}
+
+TEST(MotionEvidence, AFrameThatIsDoubtedTellsNothing) {
+  WallWatch wall;
+  wall.watch(40, false);
+  const std::vector<float> known = wall.evidence().odds().log_odds;
+  for (int k = 0; k < 10; ++k) {
+    EXPECT_EQ(wall.look(true).moves[wall.middle()], 1) << k << ": it stays as new as it was";
+    wall.evidence().withhold(SE3());
+    EXPECT_EQ(wall.evidence().odds().log_odds, known);
+  }
+  EXPECT_THAT(wall.look(false).moves, Each(0));
+}
+
+TEST(MotionEvidence, FollowsTheCameraThroughDoubtedFrames) {
+  WallWatch wall;
+  wall.watch(40, false);
+  const SE3 aside(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.02, 0, 0));
+  for (const SE3& step : {aside, aside.inverse()}) {
+    wall.look(false);
+    wall.evidence().withhold(step);
+  }
+  EXPECT_THAT(wall.look(false).moves, Each(0));
+  EXPECT_LT(wall.evidence().odds().log_odds[wall.corner()], -0.5F);
+}
+
+TEST(MotionEvidence, ADoubtedFirstFrameIsForgotten) {
+  WallWatch wall;
+  wall.look(true);
+  wall.evidence().withhold(std::nullopt);
+  EXPECT_TRUE(wall.evidence().odds().empty());
+  expect_nothing_known(wall.look(false));
 }
 
 TEST(MotionEvidence, ClearForgets) {
