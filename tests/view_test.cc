@@ -41,8 +41,15 @@ constexpr bool kThreadsWatched = false;
   if (!built_with_window()) GTEST_SKIP() << "built without the window";     \
   if (!on_path("xvfb-run")) GTEST_SKIP() << "xvfb-run is not there (tools/install-deps)"
 
+/// `xvfb-run` with its authority file in `folder`: its own temporary folder sometimes cannot be
+/// removed while the server ends, which it reports in place of the program's exit code.
+std::vector<std::string> virtual_screen(const fs::path& folder) {
+  return {"xvfb-run", "-a", "-f", folder / "xauthority", "-s", "-screen 0 1280x720x24"};
+}
+
 Outcome on_virtual_screen(const std::vector<std::string>& arguments, const fs::path& folder) {
-  std::vector<std::string> all = {"xvfb-run", "-a", "-s", "-screen 0 1280x720x24", YDD_BINARY};
+  std::vector<std::string> all = virtual_screen(folder);
+  all.emplace_back(YDD_BINARY);
   all.insert(all.end(), arguments.begin(), arguments.end());
   return run_program(all, folder);
 }
@@ -144,8 +151,8 @@ Outcome with_user(const std::string& user, const std::vector<std::string>& argum
       "\"$@\" & run=$!; xdotool search --sync --onlyvisible --name ydd-slam >window; "
       "xdotool mousemove 900 400; {}; wait $run",
       user);
-  std::vector<std::string> all = {"xvfb-run", "-a", "-s",      "-screen 0 1280x720x24", "sh", "-c",
-                                  script,     "sh", YDD_BINARY};
+  std::vector<std::string> all = virtual_screen(folder);
+  all.insert(all.end(), {"sh", "-c", script, "sh", YDD_BINARY});
   all.insert(all.end(), arguments.begin(), arguments.end());
   return run_program(all, folder);
 }
