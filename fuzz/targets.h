@@ -14,6 +14,7 @@ void detector(std::string_view input);
 void http(std::string_view input);
 void jpeg(std::string_view input);
 void json(std::string_view input);
+void layouts(std::string_view input);
 void live_text(std::string_view input);
 void map_blobs(std::string_view input);
 void map_file(std::string_view input);

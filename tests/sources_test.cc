@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The same frames from recordings of different kinds: the same trajectory, and the truth is found.
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "accuracy.h"
+#include "small_world.h"
+#include "ydd/dataset/camera_file.h"
+#include "ydd/image/decode.h"
+#include "ydd/sources/source.h"
+
+namespace ydd::e2e {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+std::string text_of(const fs::path& file) { return read_file(file).value(); }
+
+Outcome run(const fs::path& source, const fs::path& out, std::vector<std::string> options = {}) {
+  options.insert(options.begin(), {"run", source.string(), "--out", out.string(), "--deterministic",
+                                   "--detector", "none"});
+  Outcome outcome = ydd_slam(options);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return outcome;
+}
+
+/// Depth files as millimetres.
+void write_millimetres(const fs::path& from, const fs::path& to, const Camera& camera) {
+  const DepthImage depth_m = load_depth(from, camera).value();
+  ASSERT_TRUE(write_png(to, to_raw_depth(depth_m, 1000)));
+}
+
+/// The room with its pictures in folders of their own, named by their times, and no list.
+fs::path without_lists(const fs::path& folder) {
+  const Sequence frames = open_sequence(room()).value();
+  for (const char* const name : {"color", "depth"}) fs::create_directories(folder / name);
+  for (const SequenceEntry& entry : frames.entries()) {
+    const std::string name = format_timestamp(entry.stamp) + ".png";
+    fs::copy_file(entry.colour_name, folder / "color" / name);
+    fs::copy_file(entry.depth_name, folder / "depth" / name);
+  }
+  fs::copy_file(room() / "camera.yaml", folder / "camera.yaml");
+  return folder;
+}
+
+TEST(Sources, TheSameFramesGiveTheSameTrajectory) {
+  const TemporaryFolder folder;
+  run(room(), folder / "tum");
+  const Outcome outcome = run(without_lists(folder / "pictures"), folder / "realsense");
+  EXPECT_THAT(outcome.err, HasSubstr("source 'realsense'"));
+  EXPECT_EQ(text_of(folder / "tum/trajectory.tum"), text_of(folder / "realsense/trajectory.tum"));
+  // What it was is kept, and can be given.
+  run(folder / "pictures", folder / "named", {"--source", "realsense", "--max-frames", "3"});
+  EXPECT_THAT(text_of(folder / "named/config.yaml"), HasSubstr("source: realsense"));
+}
+
+/// The room as a robot of OpenLORIS would have recorded it: truth is of the robot, depth in
+/// millimetres.
+fs::path as_openloris(const fs::path& folder) {
+  const Sequence frames = open_sequence(room()).value();
+  const Camera camera = find_camera(frames.recording()).value();
+  for (const char* const name : {"color", "aligned_depth"}) fs::create_directories(folder / name);
+  std::ofstream colour(folder / "color.txt"), depth(folder / "aligned_depth.txt");
+  for (const SequenceEntry& entry : frames.entries()) {
+    const std::string name = format_timestamp(entry.stamp) + ".png";
+    fs::copy_file(entry.colour_name, folder / "color" / name);
+    write_millimetres(entry.depth_name, folder / "aligned_depth" / name, camera);
+    colour << format_timestamp(entry.stamp) << " color/" << name << "\n";
+    depth << format_timestamp(entry.depth_stamp) << " aligned_depth/" << name << "\n";
+  }
+  std::ofstream(folder / "sensors.yaml") << fmt::format(
+      "%YAML:1.0\nd400_color_optical_frame:\n   width: {}\n   height: {}\n   fps: 30\n"
+      "   intrinsics: !!opencv-matrix\n      rows: 1\n      cols: 4\n      dt: d\n"
+      "      data: [ {}, {}, {}, {} ]\n",
+      camera.width_px, camera.height_px, camera.fx_px, camera.cx_px, camera.fy_px, camera.cy_px);
+  std::ofstream(folder / "trans_matrix.yaml")
+      << "%YAML:1.0\ntrans_matrix:\n  - parent_frame: base_link\n"
+         "    child_frame: d400_color_optical_frame\n"
+         "    matrix: !!opencv-matrix\n      rows: 4\n      cols: 4\n      dt: d\n"
+         "      data: [ 0, 0, 1, 0.5, -1, 0, 0, 0, 0, -1, 0, 1.1, 0, 0, 0, 1 ]\n";
+  Eigen::Matrix3d R;
+  R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  const SE3 T_base_camera(R, {0.5, 0, 1.1});
+  StampedPoses truth = read_tum_trajectory(room() / "groundtruth.txt").value();
+  for (StampedPose& pose : truth) {
+    pose.T_world_camera = pose.T_world_camera * T_base_camera.inverse();
+  }
+  EXPECT_TRUE(write_trajectory(folder / "groundtruth.txt", truth));
+  return folder;
+}
+
+TEST(Sources, TruthInAnotherFormIsLeftAsATrajectory) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run(as_openloris(folder / "robot"), folder / "a");
+  const fs::path truth = folder / "a/groundtruth.tum";
+  EXPECT_THAT(outcome.out, HasSubstr("compare: ydd-slam eval " + truth.string()));
+  EXPECT_EQ(json::parse(text_of(folder / "a/summary.json")).at("groundtruth"), truth.string());
+  const Outcome eval = ydd_slam({"eval", truth, folder / "a/trajectory.tum", "--json"});
+  ASSERT_EQ(eval.exit_code, 0) << eval.err;
+  const double error_m =
+      json::parse(eval.out).at("ate").at("absolute_translational_error").at("rmse");
+  EXPECT_LT(error_m, 0.015);
+  EXPECT_NEAR(error_m, ate_m(room(), folder / "a"), 1e-6);
+  EXPECT_THAT(text_of(folder / "a/report.html"), HasSubstr("ATE"));
+}
+
+TEST(Sources, TruthThatCannotBeReadCostsTheComparisonOnly) {
+  const TemporaryFolder folder;
+  const fs::path robot = as_openloris(folder / "robot");
+  fs::remove(robot / "trans_matrix.yaml");
+  const Outcome outcome = run(robot, folder / "a", {"--max-frames", "5"});
+  EXPECT_THAT(outcome.err, HasSubstr("trans_matrix.yaml"));
+  EXPECT_THAT(outcome.err, HasSubstr("no ground truth"));
+  EXPECT_FALSE(fs::exists(folder / "a/groundtruth.tum"));
+}
+
+TEST(Sources, ANameThatIsNoneIsAUsageError) {
+  const Outcome outcome = ydd_slam({"run", few_frames(), "--source", "oni"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("7scenes"));
+  EXPECT_THAT(outcome.err, HasSubstr("openloris"));
+}
+
+}  // namespace
+}  // namespace ydd::e2e
