@@ -17,6 +17,10 @@ void add_input_options(CLI::App& command, RunRequest& request) {
       ->required();
   command.add_option("--source", request.source, "What the recording is (default: as it looks)")
       ->check(CLI::IsMember(source_names()));
+  command.add_option("--topic-colour,--topic-color", request.topic_colour,
+                     "Topic of a bag (default: told by encodings and names)");
+  command.add_option("--topic-depth", request.topic_depth, "The same of depth");
+  command.add_option("--topic-camera-info", request.topic_camera_info, "The same of the camera");
   command.add_option("--camera", request.camera,
                      "Camera file (our own, ORB-SLAM, stella_vslam, ROS, OpenCV, ...) or preset");
   command.add_option("--associations", request.associations,

@@ -97,7 +97,15 @@ Result<Camera> find_camera(const std::filesystem::path& sequence_dir, const std:
 
 Result<Camera> find_camera(const Recording& recording, const std::string& camera) {
   Result<Camera> found = find_camera(recording.place, camera, recording.camera);
-  if (found && recording.depth_scale && *recording.depth_scale != found->depth_scale) {
+  if (!found || !recording.depth_scale || *recording.depth_scale == found->depth_scale) {
+    return found;
+  }
+  const bool is_preset = !camera.empty() && !std::filesystem::exists(camera);
+  if (is_preset) {  // that is about another format of the same camera
+    log::info("{}: depth counts {:g} to the metre, as in every recording of '{}'",
+              recording.place.string(), *recording.depth_scale, recording.source);
+    found->depth_scale = *recording.depth_scale;
+  } else {
     log::warning(
         "{}: depth of a recording of '{}' counts {:g} to the metre, but the depth_scale of camera "
         "'{}' is {:g}, which is used",

@@ -27,7 +27,8 @@ Result<Camera> find_camera(const std::filesystem::path& sequence_dir,
                            const std::string& camera = "",
                            const std::optional<Result<Camera>>& own_camera = {});
 
-/// The same of a recording. A depth scale that is not the format's is warned of.
+/// The same of a recording. A depth scale in a file that is not the format's is warned of; that of
+/// a preset gives way to the format's.
 Result<Camera> find_camera(const Recording& recording, const std::string& camera = "");
 
 }  // namespace ydd

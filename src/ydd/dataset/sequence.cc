@@ -158,6 +158,12 @@ void SequenceOptions::describe(OptionTable& table) {
             "stop after so many frames; 0: at the end");
   table.add("source", source, {},
             "layout of the recording (run --help lists them); empty: told by what lies there");
+  table.add("topic_colour", topic_colour, {},
+            "topic of a bag with the colour pictures; empty: told by encodings and names");
+  table.add("topic_depth", topic_depth, {},
+            "topic of a bag with depth, registered to colour; empty: told by encodings and names");
+  table.add("topic_camera_info", topic_camera_info, {},
+            "topic of a bag with the camera of colour; empty: the one beside it");
 }
 
 Result<Sequence> Sequence::of(Recording recording, const SequenceOptions& options) {

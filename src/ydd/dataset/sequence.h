@@ -25,6 +25,9 @@ struct SequenceOptions {
                                    ///< recording says, else by time
   std::string depth_offset = "0";  ///< seconds added to depth stamps before pairing, or "auto"
   std::string source = {};         ///< name of the source; empty: told by what lies there
+  std::string topic_colour = {};   ///< of a bag; empty: told by encodings and names
+  std::string topic_depth = {};
+  std::string topic_camera_info = {};
 
   void describe(OptionTable& table);
 };
