@@ -23,7 +23,10 @@ struct Target {
 
 void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
 
-constexpr Target kTargets[] = {{"camera", camera},
+constexpr Target kTargets[] = {{"bag_mcap", bag_mcap},
+                               {"bag_ros1", bag_ros1},
+                               {"bag_sqlite", bag_sqlite},
+                               {"camera", camera},
                                {"class_table", class_table},
                                {"detections", detections},
                                {"detector", detector},
@@ -40,6 +43,7 @@ constexpr Target kTargets[] = {{"camera", camera},
                                {"options", options},
                                {"png", png},
                                {"png_pixels", png_pixels},
+                               {"ros_messages", ros_messages},
                                {"sequence", sequence},
                                {"trajectory", trajectory},
                                {"yaml", yaml}};
