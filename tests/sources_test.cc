@@ -9,8 +9,10 @@
 
 #include "accuracy.h"
 #include "small_world.h"
+#include "ydd/bags/bags_testing.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/image/decode.h"
+#include "ydd/messages/wire_testing.h"
 #include "ydd/sources/source.h"
 
 namespace ydd::e2e {
@@ -117,6 +119,85 @@ TEST(Sources, TruthThatCannotBeReadCostsTheComparisonOnly) {
   EXPECT_THAT(outcome.err, HasSubstr("trans_matrix.yaml"));
   EXPECT_THAT(outcome.err, HasSubstr("no ground truth"));
   EXPECT_FALSE(fs::exists(folder / "a/groundtruth.tum"));
+}
+
+/// The room as messages of a robot: colour as it is, depth in metres, no stamp rounded.
+bags::WrittenMessages as_messages(Wire wire, std::size_t frames_wanted) {
+  const std::string package = wire == Wire::ros1 ? "sensor_msgs/" : "sensor_msgs/msg/";
+  const Sequence frames = open_sequence(room()).value();
+  const Camera camera = find_camera(frames.recording()).value();
+  bags::WrittenMessages out;
+  for (std::size_t i = 0; i < std::min(frames_wanted, frames.size()); ++i) {
+    const RgbdFrame frame = frames.read(i, camera).value();
+    const auto width = static_cast<std::uint32_t>(camera.width_px);
+    const auto height = static_cast<std::uint32_t>(camera.height_px);
+    const std::size_t n = std::size_t{width} * height;
+    const std::string_view colour(reinterpret_cast<const char*>(frame.colour.data()), 3 * n);
+    const std::string_view depth(reinterpret_cast<const char*>(frame.depth_m.data()), 4 * n);
+    const Timestamp late{frame.stamp.ns + 40'000'000};
+    out.push_back({"/camera/color/camera_info", package + "CameraInfo", late,
+                   camera_info_message(wire, frame.stamp, width, height, camera.fx_px, camera.fy_px,
+                                       camera.cx_px, camera.cy_px)});
+    out.push_back({"/camera/color/image_raw", package + "Image", late,
+                   image_message(wire, frame.stamp, width, height, "bgr8", 3 * width, colour)});
+    out.push_back({"/camera/depth_registered/image_raw", package + "Image", late,
+                   image_message(wire, frame.stamp, width, height, "32FC1", 4 * width, depth)});
+  }
+  return out;
+}
+
+TEST(Sources, BagsGiveTheTrajectoryOfTheFolder) {
+  constexpr std::size_t kSome = 12;
+  const TemporaryFolder folder;
+  run(room(), folder / "tum", {"--max-frames", "12"});
+  const bags::WrittenMessages ros1 = as_messages(Wire::ros1, kSome);
+  const bags::WrittenMessages cdr = as_messages(Wire::cdr, kSome);
+  bags::write_bytes(folder / "walk.bag", bags::ros1_bag(ros1, "none"));
+  bags::write_bytes(folder / "walk.mcap", bags::mcap_bag(cdr, ""));
+  bags::write_sqlite_bag(folder / "walk.db3", cdr);
+  for (const char* const name : {"walk.bag", "walk.mcap", "walk.db3"}) {
+    run(folder / name, folder / "out");
+    EXPECT_EQ(text_of(folder / "tum/trajectory.tum"), text_of(folder / "out/trajectory.tum"))
+        << name;
+  }
+  // Decoded ahead by a thread of its own it is the same recording.
+  EXPECT_EQ(ydd_slam({"run", folder / "walk.mcap", "--out", folder / "out", "--quiet", "--detector",
+                      "none"})
+                .exit_code,
+            0);
+  EXPECT_EQ(json::parse(text_of(folder / "out/summary.json")).at("frames_processed"), kSome);
+  EXPECT_EQ(json::parse(text_of(folder / "out/summary.json")).at("sequence"), "walk");
+}
+
+TEST(Sources, ABagThatIsCutOffIsRunUpToThere) {
+  const TemporaryFolder folder;
+  const std::string whole = bags::ros1_bag(as_messages(Wire::ros1, 6), "none");
+  bags::write_bytes(folder / "cut.bag", whole.substr(0, whole.size() / 2));
+  const Outcome outcome = run(folder / "cut.bag", folder / "out");
+  EXPECT_THAT(outcome.err, HasSubstr("warning: " + (folder / "cut.bag").string() +
+                                     ": is cut off or damaged at byte"));
+  EXPECT_EQ(json::parse(text_of(folder / "out/summary.json")).at("frames_tracked"), 2);
+}
+
+TEST(Sources, WhatABagLacksIsOneLineWithTheOption) {
+  const TemporaryFolder folder;
+  bags::WrittenMessages messages = as_messages(Wire::cdr, 2);
+  std::erase_if(messages, [](const auto& m) { return m.type.ends_with("CameraInfo"); });
+  bags::write_sqlite_bag(folder / "a.db3", messages);
+  const auto error_of = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"run", folder / "a.db3", "--out", folder / "o", "--quiet"});
+    const Outcome outcome = ydd_slam(options);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.error_lines().size(), 1U) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "o"));
+    return outcome.err;
+  };
+  EXPECT_THAT(error_of({}), HasSubstr("--topic-camera-info, or give --camera"));
+  EXPECT_THAT(error_of({"--topic-depth", "/x"}),
+              HasSubstr("no topic '/x' with pictures; there are: /camera/color/image_raw"));
+  EXPECT_THAT(
+      error_of({"--camera", room() / "camera.yaml", "--topic-depth", "/camera/color/image_raw"}),
+      HasSubstr("is 'bgr8'; depth is 16UC1 or 32FC1"));
 }
 
 TEST(Sources, ANameThatIsNoneIsAUsageError) {

@@ -155,6 +155,9 @@ void add_detect_command(CLI::App& app, Job& job) {
       ->add_option("--source", request->sequence_options.source,
                    "What the recording is (default: as it looks; run --help lists them)")
       ->check(CLI::IsMember(source_names()));
+  command->add_option("--topic-colour,--topic-color", request->sequence_options.topic_colour,
+                      "Topic of a bag (default: told by encodings and names)");
+  command->add_option("--topic-depth", request->sequence_options.topic_depth, "The same of depth");
   command->add_option("--detector", request->detector,
                       "Detector file (configs/detector/*.yaml; default: YDD_DETECTOR, else the "
                       "network of the program)");
