@@ -200,6 +200,38 @@ TEST(Sources, WhatABagLacksIsOneLineWithTheOption) {
       HasSubstr("is 'bgr8'; depth is 16UC1 or 32FC1"));
 }
 
+TEST(Sources, AnyRecordingCanBeConverted) {
+  const TemporaryFolder folder;
+  bags::write_bytes(folder / "walk.bag", bags::ros1_bag(as_messages(Wire::ros1, 6), "none"));
+  const Outcome made = ydd_slam({"convert", folder / "walk.bag", folder / "walk"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("6 frames in "));
+  const Sequence frames = open_sequence(folder / "walk").value();
+  ASSERT_EQ(frames.size(), 6U);
+  EXPECT_EQ(frames.recording().source, "tum");
+  const Camera camera = find_camera(frames.recording()).value();
+  EXPECT_EQ(camera.depth_scale, 1000);  // metres became millimetres
+  const Camera before = find_camera(open_recording(room()).value()).value();
+  EXPECT_EQ(camera.fx_px, before.fx_px);
+  const RgbdFrame a = frames.read(5, camera).value();
+  const RgbdFrame b = open_sequence(room())->read(5, before).value();
+  EXPECT_EQ(a.stamp, b.stamp);
+  for (int x = 0; x < camera.width_px; ++x) {
+    EXPECT_EQ(a.colour(x, 100), b.colour(x, 100));
+    EXPECT_NEAR(a.depth_m(x, 100), b.depth_m(x, 100), 0.00051);
+  }
+  EXPECT_EQ(ydd_slam({"convert", folder / "walk.bag", folder / "walk"}).exit_code, 1)
+      << "never over what is there";
+  // Counts stay as they are, and truth comes along.
+  ASSERT_EQ(ydd_slam({"convert", room(), folder / "again", "--max-frames", "2"}).exit_code, 0);
+  const Sequence again = open_sequence(folder / "again").value();
+  EXPECT_EQ(find_camera(again.recording())->depth_scale, before.depth_scale);
+  EXPECT_EQ(again.read_depth_counts(1)->operator()(50, 60),
+            open_sequence(room())->read_depth_counts(1)->operator()(50, 60));
+  EXPECT_EQ(again.groundtruth()->read()->size(),
+            read_tum_trajectory(room() / "groundtruth.txt")->size());
+}
+
 TEST(Sources, ANameThatIsNoneIsAUsageError) {
   const Outcome outcome = ydd_slam({"run", few_frames(), "--source", "oni"});
   EXPECT_EQ(outcome.exit_code, 2);

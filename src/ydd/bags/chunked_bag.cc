@@ -5,12 +5,15 @@
 
 #include <fmt/format.h>
 
+#include "ydd/base/one_line.h"
 #include "ydd/messages/ros_messages.h"
 
 namespace ydd::bags {
 
 void ChunkedBag::add_topic(std::uint64_t id, BagTopic topic) {
   if (topic_of_id_.contains(id)) return;
+  topic.name = on_one_line(topic.name);
+  topic.type = on_one_line(topic.type);
   for (std::uint32_t i = 0; i < topics_.size(); ++i) {
     if (topics_[i].name != topic.name || topics_[i].type != topic.type ||
         topics_[i].wire != topic.wire) {

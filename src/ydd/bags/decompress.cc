@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "ydd/bags/byte_source.h"
+#include "ydd/base/one_line.h"
 
 #ifdef YDD_HAS_bz2
 #include <bzlib.h>
@@ -75,7 +76,7 @@ Result<std::string> decompressed(std::string_view kind, std::string_view bytes,
   if (kind == "zstd") unpack = unpack_zstd, library = "libzstd";
   if (library == nullptr) {
     return Error{fmt::format("a compression that is not known ('{}'); bz2, lz4 and zstd are",
-                             kind.substr(0, 20))};
+                             on_one_line(kind.substr(0, 20)))};
   }
   if (unpack == nullptr) {
     return Error{fmt::format("compressed with {}, which this program was built without ({})", kind,

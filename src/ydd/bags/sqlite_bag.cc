@@ -15,6 +15,7 @@
 
 #include "ydd/bags/byte_source.h"
 #include "ydd/bags/chunked_bag.h"
+#include "ydd/base/one_line.h"
 #include "ydd/messages/ros_messages.h"
 
 namespace ydd::bags {
@@ -130,7 +131,8 @@ class SqliteBag : public Bag {
       if (format != "cdr") type += " as " + format;
       topic_of_id_[sqlite3_column_int64(statement.get(), 0)] =
           static_cast<std::uint32_t>(topics_.size());
-      topics_.push_back({column_text(statement.get(), 1), std::move(type), Wire::cdr, 0});
+      topics_.push_back(
+          {on_one_line(column_text(statement.get(), 1)), on_one_line(type), Wire::cdr, 0});
     }
     return code == SQLITE_DONE;
   }

@@ -35,6 +35,7 @@ struct DepthPicture {
   std::function<Result<DepthImage>(const Camera&)> metres;
   /// As counts: those stored, or millimetres of a picture in metres.
   std::function<Result<RawDepthImage>()> counts;
+  bool is_metric = false;  ///< it is in metres, whatever the camera's depth scale
 };
 
 /// Where the pictures of a recording lie: opens picture `i` of its stream. Immutable; any thread

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "ydd/base/one_line.h"
 #include "ydd/dataset/picture_files.h"
 #include "ydd/image/decode.h"
 
@@ -59,9 +60,7 @@ Error damaged(const StoredMessage& message) {
 
 /// What a text of a message says, for a line of an error.
 std::string quote(std::string_view text) {
-  std::string out;
-  for (const char c : text.substr(0, 40)) out += c >= ' ' && c < 127 ? c : '?';
-  return "'" + out + "'";
+  return "'" + on_one_line(text.substr(0, 40)) + "'";
 }
 
 /// Whether the rows are all there.
@@ -130,7 +129,9 @@ DepthImage within_limits(const DepthImage& depth_m, const Camera& camera) {
 /// A depth picture whose pixels `metres_of` gives in metres, whatever the camera says.
 DepthPicture metric_picture(const StoredMessage& message, int width, int height,
                             std::function<Result<DepthImage>()> metres_of) {
-  return {message.name, width, height,
+  return {message.name,
+          width,
+          height,
           [metres_of](const Camera& camera) -> Result<DepthImage> {
             const Result<DepthImage> depth_m = metres_of();
             if (!depth_m) return depth_m.error();
@@ -140,7 +141,8 @@ DepthPicture metric_picture(const StoredMessage& message, int width, int height,
             const Result<DepthImage> depth_m = metres_of();
             if (!depth_m) return depth_m.error();
             return to_raw_depth(*depth_m, 1000);
-          }};
+          },
+          true};
 }
 
 Result<DepthPicture> depth_of_image(const StoredMessage& message) {
@@ -232,7 +234,7 @@ PictureNature nature_of(const StoredMessage& message) {
                            : counts                             ? PictureUse::neither
                            : image->format.starts_with("mono8") ? PictureUse::grey
                                                                 : PictureUse::colour;
-    return {use, std::string(image->format)};
+    return {use, on_one_line(image->format)};
   }
   const auto image = read_image(*message.bytes, message.wire);
   if (!image) return {};
@@ -241,7 +243,7 @@ PictureNature nature_of(const StoredMessage& message) {
                          : is_counts(image->encoding) || is_metres(image->encoding)
                              ? PictureUse::depth
                              : PictureUse::neither;
-  return {use, std::string(image->encoding)};
+  return {use, on_one_line(image->encoding)};
 }
 
 Result<ColourPicture> colour_of(const StoredMessage& message) {
