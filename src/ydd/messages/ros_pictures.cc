@@ -59,9 +59,7 @@ Error damaged(const StoredMessage& message) {
 }
 
 /// What a text of a message says, for a line of an error.
-std::string quote(std::string_view text) {
-  return "'" + on_one_line(text.substr(0, 40)) + "'";
-}
+std::string quote(std::string_view text) { return "'" + on_one_line(text.substr(0, 40)) + "'"; }
 
 /// Whether the rows are all there.
 Result<void> check_rows(const StoredMessage& message, const ImageMessage& image,

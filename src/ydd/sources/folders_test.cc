@@ -362,9 +362,8 @@ TEST_F(LayoutTest, ASourceCanBeNamedAndOneThatIsNoneListsThem) {
   put_depth("depth/1.png", 1000, 640, 480);
   EXPECT_THAT(error_of(folder_), HasSubstr("has no rgb.txt, and is no recording that is known"));
   EXPECT_EQ(error_of(folder_, {.source = "open3d"}), "no error");
-  EXPECT_THAT(
-      error_of(folder_, {.source = "oni"}),
-      HasSubstr("'oni' is no source; known are 7scenes, icl, open3d, openloris, realsense"));
+  EXPECT_THAT(error_of(folder_, {.source = "oni"}),
+              HasSubstr("'oni' is no source; known are 7scenes, bag, icl, open3d, openloris"));
   EXPECT_THAT(error_of(folder_ / "rgb/1.png"), HasSubstr("1.png: is no recording that is known"));
   for (const std::string& name : source_names()) {
     EXPECT_THAT(source_table(), HasSubstr("  " + name + " "));
