@@ -66,8 +66,8 @@ void make_faulty(const fs::path& from, const fs::path& to, Fault fault, const St
     } else if (fault == Fault::late) {
       entry.depth_name = sequence->entry(i - kLateFrames).depth_name;
     } else if (fault == Fault::turned) {
-      write_turned(made, load_colour(entry.colour_file).value());
-      entry.colour_file = made;
+      write_turned(made, load_colour(entry.colour_name).value());
+      entry.colour_name = made;
     } else {
       write_depth(made, load_raw_depth(entry.depth_name).value(), fault, static_cast<unsigned>(i));
       entry.depth_name = made;
