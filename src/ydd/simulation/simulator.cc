@@ -136,6 +136,13 @@ Timestamp Simulator::stamp(int index) const { return {kStart_ns + impl_->offset_
 
 SE3 Simulator::pose(int index) const { return impl_->path.T_world_camera(impl_->time_s(index)); }
 
+MotionSamples Simulator::motion_samples() const {
+  constexpr double kBefore_s = 0.5, kAfter_s = 0.05;
+  return sense_motion(impl_->path.T_world_camera, stamp(0), -kBefore_s,
+                      impl_->time_s(frame_count() - 1) + kAfter_s, impl_->options.sensors,
+                      impl_->options.seed);
+}
+
 SimulatedFrame Simulator::render(int index) const {
   if (index < 0 || index >= frame_count()) {
     throw std::logic_error("Simulator: no such frame");

@@ -50,6 +50,8 @@ class Simulator {
   Timestamp stamp(int index) const;
   /// T_world_camera of a frame, exact.
   SE3 pose(int index) const;
+  /// What the sensors of motion say from half a second before the first frame until the last.
+  MotionSamples motion_samples() const;
   /// @throws std::logic_error unless 0 <= index < frame_count().
   SimulatedFrame render(int index) const;
 

@@ -53,6 +53,7 @@ SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
       judge_(options_.dynamics, std::move(catalogue)),
       evidence_(options_.dynamics.evidence, camera_),
       tracker_(options_.tracking, map && !map->keyframes().empty()),
+      reckoning_(options_.reckoning),
       mapping_(make_mapping(initial_atlas(camera, options_, std::move(map)), options_)) {
   if (!detector) return;
   if (options_.detect.asynchronous()) {
@@ -79,6 +80,7 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
   judge(frame, *features, report);
   if (auto r = track(frame, report); !r) return r.error();
   settle_evidence(report);
+  settle_reckoning(report);
   if (saver_) saver_->offer(atlas());
   total_timer.stop();
   report.times.push_back(total.front());
@@ -109,6 +111,13 @@ void SlamSystem::settle_evidence(FrameReport& report) {
                    prior_of_cells(report.judgement.regions, *report.odds));
 }
 
+/// What was seen teaches the senses of motion.
+void SlamSystem::settle_reckoning(const FrameReport& report) {
+  const TrackResult& track = report.track;
+  const bool seen = track.reference.valid() && !track.reckoned;
+  if (seen && reckoning_.has_samples()) reckoning_.see(report.stamp, track.T_camera_seen);
+}
+
 Features SlamSystem::extract(const RgbdFrame& frame, FrameReport& report) {
   report.requested = judge_.budget();
   StageTimer timer(report.times, "features");
@@ -137,6 +146,7 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
   tracked.stamp = frame.stamp;
   tracked.shared_features = report.filtered->kept;
   tracked.odds = report.odds;
+  tracked.reckoned = reckoning_.since_seen(frame.stamp);
   const RepeatedPictures::Verdict repeated = repeated_pictures_.look(frame);
   tracked.stale = repeated.stale;
   tracked.doubt = repeated.doubt;
@@ -182,6 +192,7 @@ void SlamSystem::reset() {
   judge_ = DynamicsJudge(options_.dynamics, judge_.catalogue());
   judge_.set_variant(variant);
   evidence_.clear();
+  reckoning_.clear();
   if (asynchronous_) asynchronous_->forget();
   repeated_pictures_ = {};
   trajectory_.clear();
