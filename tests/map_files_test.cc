@@ -19,9 +19,9 @@
 #include "small_world.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/dataset/trajectory.h"
-#include "ydd/dataset/tum_sequence.h"
 #include "ydd/evaluation/ate.h"
 #include "ydd/image/decode.h"
+#include "ydd/sources/source.h"
 
 namespace ydd::e2e {
 namespace {
@@ -142,7 +142,7 @@ struct EmptyRoom {
 
   explicit EmptyRoom(const fs::path& sequence)
       : camera(find_camera(sequence.string(), "").value()) {
-    const Sequence frames = Sequence::open(sequence).value();
+    const Sequence frames = open_sequence(sequence).value();
     const StampedPoses truth = read_tum_trajectory(sequence / "groundtruth.txt").value();
     for (std::size_t i = 0; i < frames.size(); i += 6) {
       depth_m.push_back(frames.read(i, camera).value().depth_m);

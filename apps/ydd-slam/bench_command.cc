@@ -31,7 +31,7 @@ void add_bench(CLI::App& parent, Job& job, const std::string& name, const std::s
   auto request = std::make_shared<BenchRequest>();
   request->boxes_needed = boxes_needed;
   auto* command = parent.add_subcommand(name, what);
-  command->add_option("sequences", request->sequences, "Folders in the TUM RGB-D layout");
+  command->add_option("sequences", request->sequences, "Recordings (run --help lists their kinds)");
   command->add_option("--simulated", request->simulated, "Also so many simulated busy rooms");
   command->add_option("--simulated-frames", request->simulated_frames, "Length of these");
   command->add_option("--detector", request->detector,

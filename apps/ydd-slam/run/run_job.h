@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "ydd/base/result.h"
+#include "ydd/dataset/sequence.h"
 #include "ydd/dataset/trajectory.h"
-#include "ydd/dataset/tum_sequence.h"
 #include "ydd/map/atlas.h"
 
 namespace ydd::app {
@@ -51,6 +51,8 @@ struct RunRequest {
   std::optional<int> max_frames;
   std::optional<std::string> associations;
   std::optional<std::string> depth_offset;
+  std::optional<std::string> source;
+  std::optional<std::string> topic_colour, topic_depth, topic_camera_info;  ///< of a bag
   ViewRequest view;
   std::optional<std::string> serve;  ///< address of the live page; empty: the default one
   std::string serve_token;
@@ -69,8 +71,8 @@ struct RunOutcome {
   std::string summary_json;
   std::string timings_json;
   StampedPoses trajectory;
-  std::optional<std::filesystem::path> groundtruth_file;
-  std::shared_ptr<const Atlas> atlas;  ///< in the end
+  std::optional<std::filesystem::path> groundtruth_file;  ///< in TUM's format
+  std::shared_ptr<const Atlas> atlas;                     ///< in the end
   int processed = 0;
   int tracked = 0;
   std::string incomplete = {};  ///< why the run ended before its sequence did; empty: it did not

@@ -212,15 +212,15 @@ LiveScene live_scene(const PlayInput& input, bool has_detector,
                   {}};
   const std::string& map_file = input.request.save_map;
   scene.map_file = map_file.empty() ? folder / "map.ydd" : std::filesystem::path(map_file);
-  if (const auto file = input.sequence.groundtruth_file()) {
-    if (Result<StampedPoses> truth = read_tum_trajectory(*file)) scene.groundtruth = *truth;
+  if (const auto& truth = input.sequence.groundtruth()) {
+    if (Result<StampedPoses> poses = truth->read()) scene.groundtruth = *poses;
   }
   return scene;
 }
 
 PlayEnd play(const PlayInput& input, SlamSystem& system, Listeners& listeners, LiveControl* live) {
   for (const std::string& odd : odd_stamps(input.sequence, input.camera.fps)) {
-    log::warning("{}: {}", input.sequence.folder().string(), odd);
+    log::warning("{}: {}", input.sequence.place().string(), odd);
   }
   Playback pass(input, system, listeners, live);
   Result<void> fed = guarded("", [&] { return pass.run(); });
@@ -232,7 +232,7 @@ PlayEnd play(const PlayInput& input, SlamSystem& system, Listeners& listeners, L
     end.failure = fed.error().message;
   } else if (listeners.recorder.tracked() == 0 && end.incomplete.empty()) {
     const char* const what = listeners.recorder.processed() > 0 ? "was tracked" : "could be read";
-    end.failure = fmt::format("{}: not one frame of {} {}: {}", input.sequence.folder().string(),
+    end.failure = fmt::format("{}: not one frame of {} {}: {}", input.sequence.place().string(),
                               listeners.recorder.frames_in(), what, pass.untracked_reason());
   }
   return end;

@@ -7,7 +7,7 @@
 
 #include "run/run_job.h"
 #include "run/run_pictures.h"
-#include "ydd/dataset/tum_sequence.h"
+#include "ydd/dataset/sequence.h"
 #include "ydd/detection/object_catalogue.h"
 #include "ydd/live/live_control.h"
 #include "ydd/pictures/key_moments.h"

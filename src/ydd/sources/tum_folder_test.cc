@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ydd/dataset/tum_sequence.h"
+#include "ydd/sources/source.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -69,11 +69,11 @@ class TumSequenceTest : public testing::Test {
   }
 
   std::string open_error(const SequenceOptions& options = {}) const {
-    const auto sequence = Sequence::open(folder_, options);
+    const auto sequence = open_sequence(folder_, options);
     return sequence ? "no error" : sequence.error().message;
   }
   std::string read_error(std::size_t i) const {
-    const auto sequence = Sequence::open(folder_);
+    const auto sequence = open_sequence(folder_);
     if (!sequence) return "cannot open: " + sequence.error().message;
     const auto frame = sequence->read(i, small_camera());
     return frame ? "no error" : frame.error().message;
@@ -83,11 +83,11 @@ class TumSequenceTest : public testing::Test {
 };
 
 TEST_F(TumSequenceTest, ReadsFrames) {
-  const auto sequence = Sequence::open(folder_);
+  const auto sequence = open_sequence(folder_);
   ASSERT_TRUE(sequence) << sequence.error().message;
   ASSERT_EQ(sequence->size(), 3U);
   EXPECT_EQ(sequence->name(), folder_.filename().string());
-  EXPECT_FALSE(sequence->groundtruth_file());
+  EXPECT_FALSE(sequence->groundtruth());
   EXPECT_EQ(sequence->entry(1).stamp.ns, 1'100'000'000);
   EXPECT_EQ(sequence->entry(1).depth_stamp.ns, 1'110'000'000);
   const auto frame = sequence->read(1, small_camera());
@@ -101,24 +101,24 @@ TEST_F(TumSequenceTest, ReadsFrames) {
 
 TEST_F(TumSequenceTest, FindsGroundTruth) {
   write("groundtruth.txt", "1.0 0 0 0 0 0 0 1\n");
-  EXPECT_EQ(Sequence::open(folder_)->groundtruth_file(), folder_ / "groundtruth.txt");
+  EXPECT_EQ(open_sequence(folder_)->groundtruth()->place, folder_ / "groundtruth.txt");
 }
 
 TEST_F(TumSequenceTest, ColourWithoutDepthIsLeftOut) {
   write("depth.txt", "1.01 depth/0.png\n1.19 depth/2.png\n");
-  const auto sequence = Sequence::open(folder_);
+  const auto sequence = open_sequence(folder_);
   ASSERT_EQ(sequence->size(), 2U);
-  EXPECT_THAT(sequence->entry(1).colour_file.string(), EndsWith("rgb/2.png"));
+  EXPECT_THAT(sequence->entry(1).colour_name, EndsWith("rgb/2.png"));
 }
 
 TEST_F(TumSequenceTest, AssociationFileIsUsedOnlyWhenGiven) {
   write("associations.txt", "1.0 rgb/0.png 1.19 depth/2.png\n1.1 rgb/1.png 1.19 depth/2.png\n");
-  EXPECT_EQ(Sequence::open(folder_)->size(), 3U);
+  EXPECT_EQ(open_sequence(folder_)->size(), 3U);
   const SequenceOptions options{.associations = (folder_ / "associations.txt").string()};
-  const auto sequence = Sequence::open(folder_, options);
+  const auto sequence = open_sequence(folder_, options);
   ASSERT_TRUE(sequence) << sequence.error().message;
   ASSERT_EQ(sequence->size(), 2U);
-  EXPECT_THAT(sequence->entry(0).depth_file.string(), EndsWith("depth/2.png"));
+  EXPECT_THAT(sequence->entry(0).depth_name, EndsWith("depth/2.png"));
 }
 
 TEST_F(TumSequenceTest, BadAssociationFile) {
@@ -136,14 +136,15 @@ TEST_F(TumSequenceTest, BadAssociationFile) {
 
 TEST_F(TumSequenceTest, MissingOrEmptyFolder) {
   fs::remove_all(folder_);
-  EXPECT_THAT(open_error(), EndsWith(": no such folder"));
+  EXPECT_THAT(open_error(), EndsWith(": no such file or folder"));
   fs::create_directories(folder_);
-  EXPECT_THAT(open_error(), AllOf(HasSubstr(": has no rgb.txt; "), Not(HasSubstr("\n"))));
+  EXPECT_THAT(open_error(), AllOf(HasSubstr(": has no rgb.txt, "), Not(HasSubstr("\n"))));
   write("rgb.txt", "1.0 rgb/0.png\n");
   EXPECT_THAT(open_error(), HasSubstr(": has no depth.txt; "));
   write("depth.txt", "# only a comment\n\n");
   EXPECT_THAT(open_error(), EndsWith("depth.txt: lists no image"));
-  EXPECT_THAT(Sequence::open(folder_ / "rgb.txt").error().message, HasSubstr("is not a folder"));
+  EXPECT_THAT(open_sequence(folder_ / "rgb.txt", {.source = "tum"}).error().message,
+              HasSubstr("is not a folder"));
 }
 
 TEST_F(TumSequenceTest, BrokenListLines) {
@@ -169,7 +170,7 @@ TEST_F(TumSequenceTest, NoPairWithinTolerance) {
   EXPECT_THAT(open_error(),
               HasSubstr("no colour image within 0.02 s of a depth image (the closest two are "
                         "0.050000 s apart)"));
-  EXPECT_EQ(Sequence::open(folder_, {.max_difference_s = 0.06})->size(), 1U);
+  EXPECT_EQ(open_sequence(folder_, {.max_difference_s = 0.06})->size(), 1U);
 }
 
 TEST_F(TumSequenceTest, TruncatedImage) {
@@ -229,7 +230,7 @@ TEST_F(TumSequenceTest, SizesAreComparedBeforeAnythingIsDecoded) {
 TEST_F(TumSequenceTest, FrameSourceDeliversInOrderAndGoesOnAfterABadFrame) {
   truncate("rgb/1.png", 3);
   for (const int workers : {0, 1, 2}) {
-    FrameSource source(*Sequence::open(folder_), small_camera(), {.depth = 2, .workers = workers});
+    FrameSource source(*open_sequence(folder_), small_camera(), {.depth = 2, .workers = workers});
     EXPECT_EQ(source.sequence().size(), 3U);
     EXPECT_EQ((*source.next())->index, 0);
     EXPECT_THAT(source.next()->error().message, HasSubstr("rgb/1.png: is truncated"));
@@ -239,7 +240,7 @@ TEST_F(TumSequenceTest, FrameSourceDeliversInOrderAndGoesOnAfterABadFrame) {
 }
 
 TEST_F(TumSequenceTest, FrameSourceMayGoEarly) {
-  FrameSource source(*Sequence::open(folder_), small_camera(), {.depth = 1, .workers = 2});
+  FrameSource source(*open_sequence(folder_), small_camera(), {.depth = 1, .workers = 2});
   EXPECT_TRUE(source.next()->ok());
 }
 
@@ -252,11 +253,11 @@ TEST_P(RecordedSequences, CanBeRead) {
   const fs::path folder = fs::path(data) / GetParam();
   const auto camera = find_camera(folder);
   ASSERT_TRUE(camera) << camera.error().message;
-  auto sequence = Sequence::open(folder);
+  auto sequence = open_sequence(folder);
   ASSERT_TRUE(sequence) << sequence.error().message;
   EXPECT_GE(sequence->size(), 49U);
-  ASSERT_TRUE(sequence->groundtruth_file());
-  EXPECT_TRUE(read_tum_trajectory(*sequence->groundtruth_file()));
+  ASSERT_TRUE(sequence->groundtruth());
+  EXPECT_TRUE(sequence->groundtruth()->read());
   for (std::size_t i = 0; i < sequence->size(); i += 10) {
     const auto frame = sequence->read(i, *camera);
     ASSERT_TRUE(frame) << frame.error().message;
