@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 #include "support.h"
 #include "ydd/bags/bag.h"
 #include "ydd/messages/ros_pictures.h"

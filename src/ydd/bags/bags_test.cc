@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/bags/bag.h"
 
+#include <algorithm>
 #include <functional>
 #include <thread>
 

@@ -33,7 +33,7 @@ bool unpack_bz2(std::string_view from, std::string& to) {
   return code == BZ_OK && size == to.size();
 }
 #else
-constexpr Unpack unpack_bz2 = nullptr;
+const Unpack unpack_bz2 = nullptr;
 #endif
 
 #ifdef YDD_HAS_lz4
@@ -53,7 +53,7 @@ bool unpack_lz4(std::string_view from, std::string& to) {
   return hint == 0 && written == to.size();
 }
 #else
-constexpr Unpack unpack_lz4 = nullptr;
+const Unpack unpack_lz4 = nullptr;
 #endif
 
 #ifdef YDD_HAS_zstd
@@ -62,7 +62,7 @@ bool unpack_zstd(std::string_view from, std::string& to) {
   return ZSTD_isError(size) == 0 && size == to.size();
 }
 #else
-constexpr Unpack unpack_zstd = nullptr;
+const Unpack unpack_zstd = nullptr;
 #endif
 
 }  // namespace

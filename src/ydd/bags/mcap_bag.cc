@@ -5,6 +5,8 @@
 // of ROS 1, so that a file that was never closed is read as well. Messages of ROS 1 ("ros1") and
 // ROS 2
 // ("cdr") are read.
+#include <algorithm>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -20,14 +22,9 @@ constexpr std::uint64_t kMcapMagicSize = 8;
 constexpr std::uint64_t kMcapHead = 9;      // of a record
 constexpr std::uint64_t kMessageHead = 22;  // channel, sequence, two times
 
-enum McapOp : std::uint8_t {
-  kMcapFooter = 2,
-  kMcapSchema = 3,
-  kMcapChannel = 4,
-  kMcapMessage = 5,
-  kMcapChunk = 6,
-  kMcapDataEnd = 15
-};
+// Kinds of records.
+constexpr std::uint8_t kMcapFooter = 2, kMcapSchema = 3, kMcapChannel = 4, kMcapMessage = 5,
+                       kMcapChunk = 6, kMcapDataEnd = 15;
 
 struct McapRecord {
   std::uint8_t op = 0;
@@ -73,7 +70,7 @@ class McapIndexer {
     while (offset < bytes.size() && !ended_) {
       const auto record = mcap_record(bytes, offset);
       if (!record) return mcap_cut_at(offset);
-      const std::string why = take(bytes, *record, BagMessage::kNoPart);
+      std::string why = take(bytes, *record, BagMessage::kNoPart);
       if (!why.empty()) return why;
       if (record->size > bytes.size() - record->body) return mcap_cut_at(offset);
       offset = record->body + record->size;

@@ -7,6 +7,7 @@
 // pluginlib), and it refuses a bag that was not closed until `rosbag reindex` has written it anew,
 // where we read up to the last whole message. So the index at the end of a bag is not used: the
 // records are walked through, which needs a few bytes of each as long as chunks are not compressed.
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -20,7 +21,8 @@ namespace {
 constexpr std::string_view kRos1Magic = "#ROSBAG V2.0\n";
 constexpr std::uint64_t kLongestHeader = 1U << 24U;
 
-enum Op : std::uint8_t { kMessage = 2, kBagHeader = 3, kChunk = 5, kConnection = 7 };
+// The field "op" of a record.
+constexpr std::uint64_t kMessage = 2, kBagHeader = 3, kChunk = 5, kConnection = 7;
 
 /// Fields of a header: "name=value", each after its length. What is missing is empty.
 class Fields {
@@ -81,7 +83,7 @@ class Ros1Indexer {
     while (offset < bytes.size()) {
       const auto record = ros1_record(bytes, offset);
       if (!record) return cut_at(offset);
-      const std::string why = take(bytes, *record, BagMessage::kNoPart);
+      std::string why = take(bytes, *record, BagMessage::kNoPart);
       if (!why.empty()) return why;
       if (record->size > bytes.size() - record->data) return cut_at(offset);
       offset = record->data + record->size;

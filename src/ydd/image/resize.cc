@@ -2,6 +2,7 @@
 #include "ydd/image/resize.h"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <vector>
 

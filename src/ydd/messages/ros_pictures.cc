@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/messages/ros_pictures.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>

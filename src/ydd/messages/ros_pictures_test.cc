@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/messages/ros_pictures.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

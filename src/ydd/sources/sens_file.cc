@@ -7,8 +7,8 @@
 // (scannet_folder.cc).
 #include <zlib.h>
 
+#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMatrix = 64;          // bytes of one
 constexpr std::uint32_t kLargestSide = 16384;  // px
-enum DepthCoding : std::uint32_t { kRawDepth = 0, kZlibDepth = 1 };
+constexpr std::uint32_t kZlibDepth = 1;        // how depth is packed; 0: not at all
 
 /// Takes the numbers of the file one after the other; `ok` until one is not there.
 class SensReader {
