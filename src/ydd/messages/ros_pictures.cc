@@ -127,7 +127,7 @@ DepthImage within_limits(const DepthImage& depth_m, const Camera& camera) {
 
 /// A depth picture whose pixels `metres_of` gives in metres, whatever the camera says.
 DepthPicture metric_picture(const StoredMessage& message, int width, int height,
-                            std::function<Result<DepthImage>()> metres_of) {
+                            const std::function<Result<DepthImage>()>& metres_of) {
   return {message.name,
           width,
           height,

@@ -63,7 +63,7 @@ class SensReader {
 };
 
 struct SensHeader {
-  Eigen::Matrix4d colour_K, depth_K;
+  Eigen::Matrix4d K_colour, K_depth;
   std::uint32_t depth_coding = 0;
   std::uint32_t width_px = 0, height_px = 0;  ///< of depth
   double depth_scale = 0;
@@ -80,9 +80,9 @@ Result<SensHeader> read_sens_header(SensReader& reader, const fs::path& file) {
   SensHeader out;
   if (reader.number(4) != 4) return Error{file.string() + ": is no .sens file of version 4"};
   reader.skip(reader.number(8));  // name of the sensor
-  out.colour_K = reader.matrix();
+  out.K_colour = reader.matrix();
   reader.skip(kMatrix);
-  out.depth_K = reader.matrix();
+  out.K_depth = reader.matrix();
   reader.skip(kMatrix + 4);  // and how colour is packed: the pictures tell
   out.depth_coding = static_cast<std::uint32_t>(reader.number(4));
   reader.skip(8);  // size of colour
@@ -202,8 +202,8 @@ Result<Camera> sens_camera(const SensHeader& header, const fs::path& file) {
   Camera camera{.name = "scannet"};
   camera.width_px = static_cast<int>(header.width_px);
   camera.height_px = static_cast<int>(header.height_px);
-  camera.fx_px = header.depth_K(0, 0), camera.cx_px = header.depth_K(0, 2);
-  camera.fy_px = header.depth_K(1, 1), camera.cy_px = header.depth_K(1, 2);
+  camera.fx_px = header.K_depth(0, 0), camera.cx_px = header.K_depth(0, 2);
+  camera.fy_px = header.K_depth(1, 1), camera.cy_px = header.K_depth(1, 2);
   camera.depth_scale = header.depth_scale;
   if (auto r = check_camera(camera); !r) {
     return Error{fmt::format("{}: {}", file.string(), r.error().message)};
