@@ -11,6 +11,7 @@
 #include "ydd/mapping/mapper.h"
 #include "ydd/system/detector_runner.h"
 #include "ydd/tracking/tracker.h"
+#include "ydd/tracks/track_options.h"
 
 namespace ydd {
 
@@ -30,6 +31,7 @@ struct SystemOptions {
   LoopOptions loop;
   DetectOptions detect;
   MapOptions map;
+  WorldTrackOptions tracks;
   /// Readings up to here tell of their point's place by themselves: they become points at once.
   double close_depth_m = 3.0;
   bool deterministic = false;
