@@ -14,12 +14,12 @@
 namespace ydd {
 namespace {
 
-constexpr int kDraws = 600;
+constexpr int kDraws = 1500;
 constexpr float kOnPlane_m = 0.03F;
 constexpr float kBelow_m = 0.10F;     // lower than noise explains
 constexpr double kMostBelow = 0.02;   // of all points: mirrored and stray ones
 constexpr double kLeastShare = 0.02;  // of all points that lie on a floor
-constexpr double kMostTilt_rad = 12.0 * std::numbers::pi / 180.0;
+constexpr double kMostTilt_rad = 35.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kMostPoints = 20000;
 
 struct Candidate {
@@ -68,7 +68,9 @@ Candidate refined(const std::vector<Eigen::Vector3f>& points, const Candidate& p
   if (up.dot(expected_up) < 0) up = -up;
   Candidate out{up, up.dot(mean.cast<float>())};
   count_points(points, out);
-  return is_level(up, expected_up) && out.on >= plane.on ? out : plane;
+  // Three points can be luckier than they are right.
+  const bool as_good = 10 * out.on >= 9 * plane.on;
+  return is_level(up, expected_up) && as_good ? out : plane;
 }
 
 std::optional<Candidate> best_plane(const std::vector<Eigen::Vector3f>& points,

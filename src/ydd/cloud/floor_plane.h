@@ -18,9 +18,10 @@ struct FloorPlane {
   bool found = false;  ///< else the lowest points are taken for the floor, `up` as it was expected
 };
 
-/// The lowest large plane whose normal is within 12 degrees of `expected_up` (world_up), by random
-/// samples of three points (RANSAC: Fischler, Bolles, 1981) and least squares over what agrees. A
-/// plane with more than a few points below it is a table. Deterministic for a seed.
+/// The lowest large plane whose normal is within 35 degrees of `expected_up` (world_up, which a
+/// camera that always looked down a little has wrong by that), by random samples of three points
+/// (RANSAC: Fischler, Bolles, 1981) and least squares over what agrees. A plane with more than a
+/// few points below it is a table. Deterministic for a seed.
 FloorPlane find_floor(std::span<const Eigen::Vector3f> points_world,
                       const Eigen::Vector3d& expected_up, std::uint32_t seed = 1);
 

@@ -166,6 +166,33 @@ OccupancyGrid cut(const Columns& all, const Eigen::Vector2d& low_m, const GridOp
   return grid;
 }
 
+/// Whether the cell lies in a gap between two occupied ones, along one direction.
+bool in_gap(const OccupancyGrid& grid, int x, int y, int dx, int dy, int most) {
+  const auto to_obstacle = [&](int sign) {
+    for (int k = 1; k <= most; ++k) {
+      const int column = x + sign * k * dx, row = y + sign * k * dy;
+      if (column < 0 || row < 0 || column >= grid.columns || row >= grid.rows) break;
+      if (grid.at(column, row) == Cell::occupied) return k;
+    }
+    return most + 1;
+  };
+  return to_obstacle(1) + to_obstacle(-1) <= most + 1;
+}
+
+/// No robot fits through a narrow gap, and a table that was looked at across has only stripes.
+OccupancyGrid without_gaps(OccupancyGrid grid, double most_m) {
+  const int most = static_cast<int>(most_m / grid.resolution_m + 1e-6);
+  const OccupancyGrid before = grid;
+  for (int y = 0; y < grid.rows; ++y) {
+    for (int x = 0; x < grid.columns; ++x) {
+      const bool gap = in_gap(before, x, y, 1, 0, most) || in_gap(before, x, y, 0, 1, most) ||
+                       in_gap(before, x, y, 1, 1, most) || in_gap(before, x, y, 1, -1, most);
+      if (gap) grid.cells[static_cast<std::size_t>(y) * grid.columns + x] = Cell::occupied;
+    }
+  }
+  return grid;
+}
+
 struct Reach {
   Eigen::Vector2d low_m = Eigen::Vector2d::Constant(std::numeric_limits<double>::max());
   Eigen::Vector2d high_m = Eigen::Vector2d::Constant(std::numeric_limits<double>::lowest());
@@ -229,7 +256,7 @@ Result<OccupancyGrid> occupancy_grid(const Atlas& atlas, MapId map, const SE3& T
     columns.add(T_grid_world * cloud.origin.cast<double>(), points);
   };
   if (auto r = for_each_keyframe_cloud(atlas, map, options.cloud, add); !r) return r.error();
-  OccupancyGrid grid = cut(columns, low_m, options);
+  OccupancyGrid grid = without_gaps(cut(columns, low_m, options), options.closed_gap_m);
   grid.T_grid_world = T_grid_world;
   return grid;
 }

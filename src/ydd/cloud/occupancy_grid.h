@@ -14,6 +14,7 @@ struct GridOptions {
   double resolution_m = 0.05;  ///< edge of a cell
   double min_height_m = 0.15;  ///< above the floor: what is lower can be driven over
   double max_height_m = 1.8;   ///< what is higher can be driven under
+  double closed_gap_m = 0.10;  ///< between obstacles, that is none: nobody fits through
   DenseCloudOptions cloud;
 };
 
