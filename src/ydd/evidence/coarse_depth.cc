@@ -11,27 +11,69 @@ constexpr int kSamples = 4;  // of a cell, in a square
 constexpr float kFar = 1e9F;
 
 struct CellReadings {
-  float middle_m = 0, near_m = kFar, far_m = 0;
-  int count = 0;
+  float middle_m = 0, near_m = kFar, far_m = 0, count = 0;
 };
 
-CellReadings readings_of(const DepthImage& depth_m, int x0_px, int y0_px, int cell_px) {
-  const int low = cell_px / 4;
-  const int high = cell_px - 1 - low;
-  std::array<float, kSamples> found{};
-  CellReadings out;
-  for (const int y : {y0_px + low, y0_px + high}) {
-    const float* row = depth_m.row(y);
-    for (const int x : {x0_px + low, x0_px + high}) {
-      if (row[x] > 0) found[static_cast<std::size_t>(out.count++)] = row[x];
-    }
+/// What the cell's samples read; the sorting has no branches, since holes come at random.
+CellReadings readings_of(const float* upper, const float* lower, int left_px, int right_px) {
+  std::array<float, kSamples> z = {upper[left_px], upper[right_px], lower[left_px],
+                                   lower[right_px]};
+  int count = 0;
+  for (float& reading : z) {
+    count += reading > 0 ? 1 : 0;
+    reading = reading > 0 ? reading : kFar;
   }
-  if (out.count == 0) return out;
-  std::sort(found.begin(), found.begin() + out.count);
-  out.middle_m = found[static_cast<std::size_t>((out.count - 1) / 2)];
-  out.near_m = found[0];
-  out.far_m = found[static_cast<std::size_t>(out.count - 1)];
-  return out;
+  const auto in_order = [&](std::size_t a, std::size_t b) {
+    const float least = std::min(z[a], z[b]);
+    z[b] = std::max(z[a], z[b]);
+    z[a] = least;
+  };
+  in_order(0, 1), in_order(2, 3), in_order(0, 2), in_order(1, 3), in_order(1, 2);
+  if (count == 0) return {};
+  const auto last = static_cast<std::size_t>(count - 1);
+  return {z[last / 2], z[0], z[last], static_cast<float>(count)};
+}
+
+/// Readings of the cells of one row, or of several rows together.
+struct Row {
+  std::vector<float> near_m, far_m, count;
+  explicit Row(int columns)
+      : near_m(static_cast<std::size_t>(columns)), far_m(near_m.size()), count(near_m.size()) {}
+};
+
+/// Each cell with its neighbours left and right.
+void widen(const Row& row, Row& out) {
+  const std::size_t n = row.near_m.size();
+  const auto at = [&](std::size_t i, std::size_t left, std::size_t right) {
+    out.near_m[i] = std::min({row.near_m[left], row.near_m[i], row.near_m[right]});
+    out.far_m[i] = std::max({row.far_m[left], row.far_m[i], row.far_m[right]});
+    out.count[i] =
+        row.count[i] + (left < i ? row.count[left] : 0.0F) + (right > i ? row.count[right] : 0.0F);
+  };
+  if (n == 1) return at(0, 0, 0);
+  at(0, 0, 1);
+  for (std::size_t i = 1; i + 1 < n; ++i) at(i, i - 1, i + 1);
+  at(n - 1, n - 2, n - 1);
+}
+
+/// Three rows of widened cells together, as the surroundings of the middle one.
+void gather(const Row* above, const Row& middle, const Row* below, float* near_m, float* far_m) {
+  const std::size_t n = middle.near_m.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    float near = middle.near_m[i], far = middle.far_m[i], count = middle.count[i];
+    const float columns = n == 1 ? 1.0F : (i == 0 || i + 1 == n) ? 2.0F : 3.0F;
+    float asked = kSamples * columns;
+    for (const Row* row : {above, below}) {
+      if (!row) continue;
+      near = std::min(near, row->near_m[i]);
+      far = std::max(far, row->far_m[i]);
+      count += row->count[i];
+      asked += kSamples * columns;
+    }
+    const bool enough = 2 * count > asked;
+    near_m[i] = enough ? near : 0.0F;
+    far_m[i] = enough ? far : 0.0F;
+  }
 }
 
 }  // namespace
@@ -40,37 +82,30 @@ CoarseDepth coarse_depth(const DepthImage& depth_m, int cell_px) {
   CoarseDepth out;
   out.grid = CellGrid(depth_m.width(), depth_m.height(), cell_px);
   const CellGrid& grid = out.grid;
-  const auto cells = static_cast<std::size_t>(grid.cells());
-  std::vector<CellReadings> readings(cells);
-  out.z_m.resize(cells);
-  out.near_m.resize(cells);
-  out.far_m.resize(cells);
-  for (int row = 0, i = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column, ++i) {
-      const auto cell = static_cast<std::size_t>(i);
-      readings[cell] = readings_of(depth_m, column * cell_px, row * cell_px, cell_px);
-      out.z_m[cell] = readings[cell].middle_m;
-    }
+  for (std::vector<float>* v : {&out.z_m, &out.near_m, &out.far_m}) {
+    v->resize(static_cast<std::size_t>(grid.cells()));
   }
-  for (int row = 0, i = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column, ++i) {
-      float near_m = kFar;
-      float far_m = 0;
-      int count = 0;
-      int asked = 0;
-      for (int r = std::max(0, row - 1); r <= std::min(grid.rows - 1, row + 1); ++r) {
-        for (int c = std::max(0, column - 1); c <= std::min(grid.columns - 1, column + 1); ++c) {
-          const CellReadings& around = readings[static_cast<std::size_t>(grid.index(c, r))];
-          near_m = std::min(near_m, around.near_m);
-          far_m = std::max(far_m, around.far_m);
-          count += around.count;
-          asked += kSamples;
-        }
-      }
-      const bool enough = 2 * count > asked;
-      out.near_m[static_cast<std::size_t>(i)] = enough ? near_m : 0.0F;
-      out.far_m[static_cast<std::size_t>(i)] = enough ? far_m : 0.0F;
+  const int low_px = cell_px / 4, high_px = cell_px - 1 - low_px;
+  std::vector<Row> widened(static_cast<std::size_t>(grid.rows), Row(grid.columns));
+  Row readings(grid.columns);
+  for (int row = 0; row < grid.rows; ++row) {
+    const float* upper = depth_m.row(row * cell_px + low_px);
+    const float* lower = depth_m.row(row * cell_px + high_px);
+    for (int column = 0; column < grid.columns; ++column) {
+      const int x_px = column * cell_px;
+      const auto i = static_cast<std::size_t>(column);
+      const CellReadings cell = readings_of(upper, lower, x_px + low_px, x_px + high_px);
+      out.z_m[static_cast<std::size_t>(grid.index(column, row))] = cell.middle_m;
+      readings.near_m[i] = cell.near_m;
+      readings.far_m[i] = cell.far_m;
+      readings.count[i] = cell.count;
     }
+    widen(readings, widened[static_cast<std::size_t>(row)]);
+  }
+  for (int row = 0; row < grid.rows; ++row) {
+    const Row* middle = &widened[static_cast<std::size_t>(row)];
+    gather(row > 0 ? middle - 1 : nullptr, *middle, row + 1 < grid.rows ? middle + 1 : nullptr,
+           out.near_m.data() + grid.index(0, row), out.far_m.data() + grid.index(0, row));
   }
   return out;
 }

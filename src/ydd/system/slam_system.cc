@@ -73,10 +73,11 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
   StageTimer total_timer(total, "total");
   if (detector_) detector_->start(frame);
   const auto features = std::make_shared<const Features>(extract(frame, report));
+  look_for_motion(frame, features, report);  // while the detector still works
   Result<Detections> detections = join_detections(frame, report);
   if (!detections) return detections.error();
   report.detections = std::move(*detections);
-  judge(frame, features, report);
+  judge(frame, *features, report);
   const std::shared_ptr<const Atlas> known = atlas();
   if (auto r = track(frame, *known, report); !r) return r.error();
   settle_evidence(report);
@@ -87,17 +88,20 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
   return report;
 }
 
-void SlamSystem::judge(const RgbdFrame& frame, const std::shared_ptr<const Features>& features,
-                       FrameReport& report) {
-  if (variant() == Variant::evidence) {
-    StageTimer timer(report.times, "evidence");
-    report.odds =
-        std::make_shared<const MotionOdds>(evidence_.look(features, frame.depth_m, frame.stamp));
-  }
+void SlamSystem::look_for_motion(const RgbdFrame& frame,
+                                 const std::shared_ptr<const Features>& features,
+                                 FrameReport& report) {
+  if (variant() != Variant::evidence) return;
+  StageTimer timer(report.times, "evidence");
+  report.odds =
+      std::make_shared<const MotionOdds>(evidence_.look(features, frame.depth_m, frame.stamp));
+}
+
+void SlamSystem::judge(const RgbdFrame& frame, const Features& features, FrameReport& report) {
   StageTimer timer(report.times, "dynamics");
-  report.judgement = judge_.judge(*features, report.detections, frame.depth_m, report.odds.get());
+  report.judgement = judge_.judge(features, report.detections, frame.depth_m, report.odds.get());
   report.filtered =
-      std::make_shared<const FilteredFeatures>(filter_features(*features, report.judgement));
+      std::make_shared<const FilteredFeatures>(filter_features(features, report.judgement));
 }
 
 void SlamSystem::settle_evidence(FrameReport& report) {

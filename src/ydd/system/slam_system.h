@@ -101,8 +101,9 @@ class SlamSystem {
  private:
   Features extract(const RgbdFrame& frame, FrameReport& report);
   Result<Detections> join_detections(const RgbdFrame& frame, FrameReport& report);
-  void judge(const RgbdFrame& frame, const std::shared_ptr<const Features>& features,
-             FrameReport& report);
+  void look_for_motion(const RgbdFrame& frame, const std::shared_ptr<const Features>& features,
+                       FrameReport& report);
+  void judge(const RgbdFrame& frame, const Features& features, FrameReport& report);
   Result<void> track(const RgbdFrame& frame, const Atlas& known, FrameReport& report);
   void settle_evidence(FrameReport& report);
   void follow_objects(const RgbdFrame& frame, const Atlas& known, FrameReport& report);
