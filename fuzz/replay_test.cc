@@ -39,6 +39,7 @@ constexpr Target kTargets[] = {{"camera", camera},
                                {"options", options},
                                {"png", png},
                                {"png_pixels", png_pixels},
+                               {"sensor_image", sensor_image},
                                {"sequence", sequence},
                                {"trajectory", trajectory},
                                {"yaml", yaml}};

@@ -16,8 +16,8 @@ constexpr double kMounting_s = 10.0;
 tf2::Transform rigid(const PortPose& pose) {
   const tf2::Quaternion q(pose.orientation[0], pose.orientation[1], pose.orientation[2],
                           pose.orientation[3]);
-  return tf2::Transform(
-      q, tf2::Vector3(pose.position_m[0], pose.position_m[1], pose.position_m[2]));
+  return tf2::Transform(q,
+                        tf2::Vector3(pose.position_m[0], pose.position_m[1], pose.position_m[2]));
 }
 
 PortPose plain(const tf2::Transform& t) {
@@ -79,8 +79,8 @@ void RosNode::take(const Image& colour, const Image& depth, const Info& info) {
   count_missed(colour->header.seq);
   if (!port_->started() && !start(*colour, *info)) return;
   const ros::Time& stamp = colour->header.stamp;
-  const PortFrame frame = port_->push(static_cast<std::int64_t>(stamp.toNSec()),
-                                      from_ros(*colour), from_ros(*depth));
+  const PortFrame frame =
+      port_->push(static_cast<std::int64_t>(stamp.toNSec()), from_ros(*colour), from_ros(*depth));
   if (!frame.failure.empty()) {
     ++state_.failed;
     if (state_.failure != frame.failure) ROS_ERROR("%s", frame.failure.c_str());

@@ -93,8 +93,12 @@ PortPose from_ros(const geometry_msgs::Transform& t) {
 }
 
 PortImage from_ros(const sensor_msgs::Image& image) {
-  return {static_cast<int>(image.width), static_cast<int>(image.height), image.step,
-          image.encoding,                image.is_bigendian != 0,        image.data.data(),
+  return {static_cast<int>(image.width),
+          static_cast<int>(image.height),
+          image.step,
+          image.encoding,
+          image.is_bigendian != 0,
+          image.data.data(),
           image.data.size()};
 }
 

@@ -6,7 +6,8 @@ namespace ydd {
 void RobotOptions::describe(OptionTable& t) {
   t.add("config", config, {}, "YAML file with options; parameters count more");
   t.add("camera", camera, {}, "camera file or preset; empty: what camera_info says");
-  t.add("detector", detector, {}, "detector file; none; empty: the one that comes with the program");
+  t.add("detector", detector, {},
+        "detector file; none; empty: the one that comes with the program");
   t.add("objects", objects, {}, "object catalogue; empty: the built-in one");
   t.add("map_frame", map_frame, {}, "frame of the map");
   t.add("odom_frame", odom_frame, {}, "frame that goes on smoothly");
@@ -21,10 +22,8 @@ void RobotOptions::describe(OptionTable& t) {
   t.add("path_hz", path_hz, {0.01, 30.0}, "Hz", "how often path and points are published");
   t.add("grid_floor", grid_floor, "floor of the grid: the map's plane, or where one is seen");
   t.add("grid_resolution_m", grid.resolution_m, {0.005, 10.0}, "m", "edge of a cell");
-  t.add("grid_min_height_m", grid.min_height_m, {0.01, 10.0}, "m",
-        "what is lower is no obstacle");
-  t.add("grid_max_height_m", grid.max_height_m, {0.02, 20.0}, "m",
-        "what is higher is no obstacle");
+  t.add("grid_min_height_m", grid.min_height_m, {0.01, 10.0}, "m", "what is lower is no obstacle");
+  t.add("grid_max_height_m", grid.max_height_m, {0.02, 20.0}, "m", "what is higher is no obstacle");
   t.add("cloud_voxel_m", grid.cloud.voxel_m, {0.001, 10.0}, "m", "edge of the cloud's cubes");
   t.add("cloud_max_depth_m", grid.cloud.max_depth_m, {0.1, 100.0}, "m",
         "farther readings are left out of cloud and grid");

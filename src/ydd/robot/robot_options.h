@@ -23,11 +23,11 @@ struct RobotOptions {
   std::string detector;  ///< file, "none", or empty: the one that comes with the program
   std::string objects;   ///< catalogue; empty: the built-in one
   std::string map_frame = "map", odom_frame = "odom";
-  std::string base_frame;        ///< empty: the camera is all there is of the robot
-  bool publish_tf = true;        ///< map to odom, ...
-  bool publish_odom_tf = true;   ///< ... and odom to base; off: somebody else does
-  std::string map_file;          ///< to go on with; empty: none. Also what load_map loads
-  std::string save_file;         ///< to save to; empty: none
+  std::string base_frame;       ///< empty: the camera is all there is of the robot
+  bool publish_tf = true;       ///< map to odom, ...
+  bool publish_odom_tf = true;  ///< ... and odom to base; off: somebody else does
+  std::string map_file;         ///< to go on with; empty: none. Also what load_map loads
+  std::string save_file;        ///< to save to; empty: none
   bool localization_only = false;
   double max_difference_s = 0.02;  ///< between colour and depth
   double path_hz = 2;              ///< of path and points
@@ -38,8 +38,8 @@ struct RobotOptions {
   void describe(OptionTable& table);
 };
 
-/// Defaults, beaten by the file that `config` names, beaten by `assignments` ("key=value", with dots
-/// in the key where options are nested).
+/// Defaults, beaten by the file that `config` names, beaten by `assignments` ("key=value", with
+/// dots in the key where options are nested).
 Result<RobotOptions> robot_options(const std::vector<std::string>& assignments);
 
 }  // namespace ydd

@@ -81,8 +81,8 @@ Matrix6d turned(const Matrix6d& covariance, const Eigen::Matrix3d& R) {
 /// The velocity of the robot's origin, which turns with the camera, in the robot's axes.
 std::array<double, 6> velocity_of_robot(const Vector6d& v_camera, const SE3& T_robot_camera) {
   const Eigen::Vector3d omega = T_robot_camera.rotation() * v_camera.tail<3>();
-  const Eigen::Vector3d v = T_robot_camera.rotation() * v_camera.head<3>() +
-                            omega.cross(-T_robot_camera.translation());
+  const Eigen::Vector3d v =
+      T_robot_camera.rotation() * v_camera.head<3>() + omega.cross(-T_robot_camera.translation());
   return {v.x(), v.y(), v.z(), omega.x(), omega.y(), omega.z()};
 }
 
@@ -114,7 +114,7 @@ RobotPort::Opened RobotPort::open(const std::vector<std::string>& parameters) {
   auto state = std::make_unique<State>();
   state->options = *std::move(options);
   const RobotOptions& o = state->options;
-  state->settings = {o.map_frame,  o.odom_frame,      o.base_frame,      o.publish_tf,
+  state->settings = {o.map_frame,       o.odom_frame,       o.base_frame, o.publish_tf,
                      o.publish_odom_tf, o.max_difference_s, o.path_hz};
   return {std::unique_ptr<RobotPort>(new RobotPort(std::move(state))), {}};
 }
@@ -144,8 +144,8 @@ PortAnswer RobotPort::start(const PortCalibration& calibration, const PortPose& 
   });
   if (!done) return {false, done.error().message};
   const Camera& camera = s.slam->setup().camera;
-  return {true, fmt::format("{} x {} px, fx {:.1f}", camera.width_px, camera.height_px,
-                            camera.fx_px)};
+  return {true,
+          fmt::format("{} x {} px, fx {:.1f}", camera.width_px, camera.height_px, camera.fx_px)};
 }
 
 Result<RgbdFrame> RobotPort::State::frame_of(std::int64_t stamp_ns, const PortImage& colour,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Nodes of ROS 1 and 2 are C++17: nothing here needs more, and no header of the project is included.
+// Nodes of ROS 1 and 2 are C++17: nothing here needs more, and no header of the project is
+// included.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -55,9 +56,9 @@ struct PortFrame {
   std::string doubt;
   bool tracking = false, has_pose = false;
   PortPose T_map_robot, T_odom_robot, T_map_odom;
-  std::array<double, 36> covariance{};        ///< of T_map_robot: x y z, then about x y z; row by row
-  std::array<double, 36> odom_covariance{};   ///< the same in the axes of odom
-  std::array<double, 6> velocity{};           ///< of the robot in its own axes: m/s, then rad/s
+  std::array<double, 36> covariance{};  ///< of T_map_robot: x y z, then about x y z; row by row
+  std::array<double, 36> odom_covariance{};  ///< the same in the axes of odom
+  std::array<double, 6> velocity{};          ///< of the robot in its own axes: m/s, then rad/s
   std::vector<PortTrack> tracks;
   std::string tracks_json;  ///< one line, as in tracks.jsonl, map frame
 };

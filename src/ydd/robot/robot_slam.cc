@@ -33,9 +33,13 @@ std::vector<PoseObservation> observations_of(const FrameReport& report, const At
 /// rotation move against it, in the axes of the camera.
 Matrix6d covariance_of(const FrameReport& report, const Atlas& atlas, const SE3& T_map_camera) {
   constexpr double kUnknown = 1.0;  // square metres and radians: nothing is known
+  constexpr double kChosen = 1e-8;  // the frame that a map begins with has its pose by choice
   constexpr std::size_t kLeast = 6;
   const std::vector<PoseObservation> seen = observations_of(report, atlas);
-  if (seen.size() < kLeast) return kUnknown * Matrix6d::Identity();
+  if (seen.size() < kLeast) {
+    const bool begins = report.keyframe && report.track.inliers == 0;
+    return (begins ? kChosen : kUnknown) * Matrix6d::Identity();
+  }
   const std::vector<std::uint8_t> all(seen.size(), 1);
   const Matrix6d information =
       pose_information(atlas.camera(), report.track.T_world_camera.inverse(), seen, all);
@@ -167,7 +171,7 @@ Result<void> RobotSlam::load_map(const std::filesystem::path& file) {
   Result<std::unique_ptr<SlamSystem>> system = make_system(*setup_, file);
   if (!system) return system.error();
   (void)system_->finish(Ending::prompt);  // its map goes
-  system_.reset();  // it holds the file that maps are saved to
+  system_.reset();                        // it holds the file that maps are saved to
   system_ = *std::move(system);
   system_->set_localization_only(localize);
   forget();
