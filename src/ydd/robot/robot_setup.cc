@@ -13,7 +13,8 @@ namespace {
 constexpr const char* kBlind = "none";
 
 /// What a node without the parameter means: YDD_DETECTOR, else the network that comes with the
-/// program, from where it was built (BUILD/ros1/ydd_slam) or installed (PREFIX/lib/ydd_slam).
+/// program, from where it was built (CLONE/build/ros1/ydd_slam) or installed
+/// (PREFIX/lib/ydd-slam/ros1/ ydd_slam).
 Result<std::string> robot_detector() {
   namespace fs = std::filesystem;
   const char* const named = std::getenv("YDD_DETECTOR");
@@ -21,7 +22,8 @@ Result<std::string> robot_detector() {
   std::error_code failure;
   const fs::path here = fs::read_symlink("/proc/self/exe", failure).parent_path();
   const fs::path file = fs::path("configs") / "detector" / "ydd.yaml";
-  for (const fs::path& place : {here / "../../share/ydd-slam" / file, here / "../../.." / file}) {
+  for (const fs::path& place :
+       {here / "../../../../share/ydd-slam" / file, here / "../../.." / file}) {
     if (fs::is_regular_file(place, failure)) return place.lexically_normal().string();
   }
   return Error{
