@@ -7,6 +7,7 @@
 #include "bench/bench_seeds.h"
 #include "commands.h"
 #include "common/scratch_folder.h"
+#include "ydd/studies/accidents.h"
 
 namespace ydd::app {
 namespace {
@@ -71,6 +72,11 @@ void add_seed_bench(CLI::App& parent, Job& job, const std::string& name, const s
   command->add_option("--seeds", request->seeds, "How many worlds")->check(CLI::Range(1, 10000));
   command->add_option("--first-seed", request->first_seed, "Seed of the first")
       ->check(CLI::Range(0, 1000000));
+  if (bench == &bench_recovery) {
+    const auto names = choices_of(Senses{});
+    command->add_option("--senses", request->senses, "Of motion, besides the camera")
+        ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
+  }
   command->add_option("--only", request->only, "Worlds or accidents with this in their name");
   command->add_option("--width", request->width_px, "Width of the pictures in px, 4:3")
       ->check(CLI::Range(160, 1280));

@@ -17,9 +17,10 @@ struct SeedRequest {
   int first_seed = 101;
   int width_px = 320;  ///< 4:3
   double fps = 10;
-  double minutes = 30;  ///< of the walk
-  std::string only;     ///< worlds or accidents whose name has this in it; empty: all
-  std::string out;      ///< JSON file; empty: none
+  double minutes = 30;          ///< of the walk
+  std::string only;             ///< worlds or accidents whose name has this in it; empty: all
+  std::string senses = "none";  ///< of motion, besides the camera (recovery)
+  std::string out;              ///< JSON file; empty: none
   std::vector<std::string> set;
 };
 

@@ -8,6 +8,7 @@
 #include "common/default_detector.h"
 #include "ydd/base/log.h"
 #include "ydd/dataset/camera_file.h"
+#include "ydd/dataset/motion_files.h"
 #include "ydd/detection/detector_config.h"
 #include "ydd/detection/person_check.h"
 #include "ydd/detection/recorded_detections.h"
@@ -66,7 +67,23 @@ Result<Configuration> effective_configuration(const RunRequest& request) {
     out.options.tracking.relocalization.seed = request.seed;
     out.options.loop.match.seed = request.seed;
   }
+  if (auto r = check(out.options.reckoning); !r) return r.error();
   return out;
+}
+
+Result<MotionSamples> run_motion(const RunRequest& request) {
+  MotionSamples samples;
+  if (!request.imu.empty()) {
+    auto imu = read_imu_file(request.imu);
+    if (!imu) return imu.error();
+    samples.imu = *std::move(imu);
+  }
+  if (!request.odometry.empty()) {
+    auto odometry = read_odometry_file(request.odometry);
+    if (!odometry) return odometry.error();
+    samples.odometry = *std::move(odometry);
+  }
+  return samples;
 }
 
 Result<ObjectCatalogue> run_catalogue(const RunRequest& request) {

@@ -26,6 +26,9 @@ struct Configuration {
 /// configuration has a camera too, so that it repeats its run wherever it is fed back.
 Result<Configuration> effective_configuration(const RunRequest& request);
 
+/// What the sensors of motion said that the command line names.
+Result<MotionSamples> run_motion(const RunRequest& request);
+
 Result<ObjectCatalogue> run_catalogue(const RunRequest& request);
 
 /// The request with the detector that it means: a run that rejects nothing, or replays recorded

@@ -28,6 +28,7 @@ struct Inputs {
   ObjectCatalogue catalogue;
   std::unique_ptr<Detector> detector;  ///< null: none
   std::optional<Atlas> map;
+  MotionSamples motion;
 };
 
 /// Images without a partner are reported: they are not part of the run.
@@ -62,8 +63,11 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
   Result<std::optional<Atlas>> map =
       open_run_map(*request, configuration->camera, configuration->options);
   if (!map) return map.error();
+  Result<MotionSamples> motion = run_motion(*request);
+  if (!motion) return motion.error();
   return Inputs{*std::move(configuration), *std::move(request),  *std::move(sequence),
-                *std::move(catalogue),     *std::move(detector), *std::move(map)};
+                *std::move(catalogue),     *std::move(detector), *std::move(map),
+                *std::move(motion)};
 }
 
 /// Replaces detect.mode "auto". Runs of equal bytes do not depend on how quick a machine is.
@@ -124,7 +128,7 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
                     std::move(inputs->detector), std::move(inputs->map));
   if (auto r = prepare_run_map(request, system); !r) return r.error();
   const std::int64_t start_ns = wall_clock_ns();
-  const PlayInput input{inputs->sequence, camera, request, inputs->catalogue};
+  const PlayInput input{inputs->sequence, camera, request, inputs->catalogue, inputs->motion};
   const Result<PlayEnd> end = play_watched(input, system, listeners, has_detector, folder->path());
   if (!end) return end.error();
   if (listeners.recorder.processed() == 0) {  // there is nothing to write

@@ -31,9 +31,10 @@ struct RunRequest {
   std::string config;
   std::vector<std::string> set;
   std::string out;
-  std::string detections;  ///< recording to replay
-  std::string detector;    ///< detector file, for looking at the frames themselves; empty: the
-                           ///< default one unless boxes are replayed or nothing is rejected
+  std::string imu, odometry;  ///< files of sensors of motion; empty: none
+  std::string detections;     ///< recording to replay
+  std::string detector;       ///< detector file, for looking at the frames themselves; empty: the
+                              ///< default one unless boxes are replayed or nothing is rejected
   std::vector<std::string> detector_set;
   std::string detect;              ///< every-frame or asynchronous; empty: as configured
   std::string objects;             ///< object catalogue; empty: the built-in one

@@ -17,6 +17,7 @@
 #include "ydd/base/log.h"
 #include "ydd/dataset/frame_source.h"
 #include "ydd/live/live_run.h"
+#include "ydd/system/motion_feed.h"
 
 namespace ydd::app {
 namespace {
@@ -91,7 +92,8 @@ class Playback {
         live_(live ? std::make_unique<LiveRun>(*live, system) : nullptr),
         untracked_(input.sequence, input.camera, !input.request.map.empty()),
         progress_(input.sequence.name(), input.sequence.size(), input.request.quiet),
-        pace_(input.sequence, input.camera.fps) {}
+        pace_(input.sequence, input.camera.fps),
+        motion_(input.motion) {}
 
   /// Until the sequence ends, a watcher or a signal ends it, or something fails.
   Result<void> run() {
@@ -152,6 +154,7 @@ class Playback {
 
   /// A frame that could be read: through the system, into the recorder, to all who listen.
   Result<void> process_frame(const RgbdFrame& frame) {
+    motion_.until(frame.stamp, system_);
     Result<FrameReport> report = system_.process(frame);
     if (!report) return Error{fmt::format("frame {}: {}", frame.index, report.error().message)};
     newest_ = frame.index;
@@ -191,6 +194,7 @@ class Playback {
   Untracked untracked_;
   Progress progress_;
   Pace pace_;
+  MotionFeed motion_;
   SkipWarnings skip_warnings_;
   std::string first_skipped_;  ///< and why
   std::int64_t newest_ = -1;

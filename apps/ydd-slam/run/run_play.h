@@ -22,6 +22,7 @@ struct PlayInput {
   const Camera& camera;
   const RunRequest& request;
   const ObjectCatalogue& catalogue;
+  const MotionSamples& motion;
 };
 
 /// Who hears of every frame.

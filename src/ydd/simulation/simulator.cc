@@ -153,6 +153,13 @@ std::vector<SimulatedMover> Simulator::movers(int index) const {
   return out;
 }
 
+MotionSamples Simulator::motion_samples() const {
+  constexpr double kBefore_s = 0.5, kAfter_s = 0.05;
+  return sense_motion(impl_->path.T_world_camera, stamp(0), -kBefore_s,
+                      impl_->time_s(frame_count() - 1) + kAfter_s, impl_->options.sensors,
+                      impl_->options.seed);
+}
+
 SimulatedFrame Simulator::render(int index) const {
   if (index < 0 || index >= frame_count()) {
     throw std::logic_error("Simulator: no such frame");

@@ -61,6 +61,8 @@ class Simulator {
   /// Everything that moves at some time, whether the camera sees it or not, without heads and
   /// hands.
   std::vector<SimulatedMover> movers(int index) const;
+  /// What the sensors of motion say from half a second before the first frame until the last.
+  MotionSamples motion_samples() const;
   /// @throws std::logic_error unless 0 <= index < frame_count().
   SimulatedFrame render(int index) const;
 

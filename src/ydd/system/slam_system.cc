@@ -54,6 +54,7 @@ SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
       evidence_(options_.dynamics.evidence, camera_),
       tracker_(options_.tracking, map && !map->keyframes().empty()),
       followed_(camera_, judge_.catalogue(), options_.dynamics.evidence.noise, options_.tracks),
+      reckoning_(options_.reckoning),
       mapping_(make_mapping(initial_atlas(camera, options_, std::move(map)), options_)) {
   if (!detector) return;
   if (options_.detect.asynchronous()) {
@@ -82,6 +83,7 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
   if (auto r = track(frame, *known, report); !r) return r.error();
   settle_evidence(report);
   follow_objects(frame, *known, report);
+  settle_reckoning(report);
   if (saver_) saver_->offer(atlas());
   total_timer.stop();
   report.times.push_back(total.front());
@@ -116,11 +118,19 @@ void SlamSystem::follow_objects(const RgbdFrame& frame, const Atlas& known, Fram
   StageTimer timer(report.times, "tracks");
   const TrackResult& track = report.track;
   const SightedFrame sighted{report.judgement, report.detections, frame.depth_m, report.odds.get()};
-  const bool believed = track.state == TrackingState::tracking && track.reference.valid();
+  const bool believed =
+      track.state == TrackingState::tracking && track.reference.valid() && !track.reckoned;
   report.tracks =
       believed ? followed_.see(frame.stamp, sighted, known,
                                {track.reference, track.T_reference_camera, track.T_world_camera})
                : followed_.coast(frame.stamp, known);
+}
+
+/// What was seen teaches the senses of motion.
+void SlamSystem::settle_reckoning(const FrameReport& report) {
+  const TrackResult& track = report.track;
+  const bool seen = track.reference.valid() && !track.reckoned;
+  if (seen && reckoning_.has_samples()) reckoning_.see(report.stamp, track.T_camera_seen);
 }
 
 Features SlamSystem::extract(const RgbdFrame& frame, FrameReport& report) {
@@ -151,6 +161,7 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, Frame
   tracked.stamp = frame.stamp;
   tracked.shared_features = report.filtered->kept;
   tracked.odds = report.odds;
+  tracked.reckoned = reckoning_.since_seen(frame.stamp);
   const RepeatedPictures::Verdict repeated = repeated_pictures_.look(frame);
   tracked.stale = repeated.stale;
   tracked.doubt = repeated.doubt;
@@ -197,6 +208,7 @@ void SlamSystem::reset() {
   judge_.set_variant(variant);
   evidence_.clear();
   followed_.clear();
+  reckoning_.clear();
   if (asynchronous_) asynchronous_->forget();
   repeated_pictures_ = {};
   trajectory_.clear();

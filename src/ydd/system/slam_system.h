@@ -60,6 +60,11 @@ class SlamSystem {
   /// what was tracked before stays as it is.
   Result<FrameReport> process(const RgbdFrame& frame);
 
+  /// What motion sensors say, in the order of time and up to a frame before that frame; mountings
+  /// are options (`reckoning`).
+  void add(const ImuSample& sample) { reckoning_.add(sample); }
+  void add(const OdometryPose& pose) { reckoning_.add(pose); }
+
   /// What is rejected from the next frame on.
   void set_variant(Variant variant);
   Variant variant() const { return judge_.options().variant; }
@@ -107,6 +112,7 @@ class SlamSystem {
   Result<void> track(const RgbdFrame& frame, const Atlas& known, FrameReport& report);
   void settle_evidence(FrameReport& report);
   void follow_objects(const RgbdFrame& frame, const Atlas& known, FrameReport& report);
+  void settle_reckoning(const FrameReport& report);
   MapId main_map() const;
 
   Camera camera_;
@@ -116,6 +122,7 @@ class SlamSystem {
   MotionEvidence evidence_;
   Tracker tracker_;
   FollowedObjects followed_;
+  DeadReckoning reckoning_;
   std::unique_ptr<MappingRunner> mapping_;
   std::unique_ptr<DetectorRunner> detector_;             // of every frame
   std::unique_ptr<AsynchronousDetection> asynchronous_;  // or this

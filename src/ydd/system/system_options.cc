@@ -14,6 +14,7 @@ void SystemOptions::describe(OptionTable& t) {
   t.group("orb", orb);
   t.group("dynamics", dynamics);
   t.group("tracking", tracking);
+  t.group("reckoning", reckoning);
   t.group("mapping", mapping);
   t.group("loop", loop);
   t.group("detect", detect);

@@ -9,6 +9,7 @@
 #include "ydd/features/orb_extractor.h"
 #include "ydd/loop/loop_closer.h"
 #include "ydd/mapping/mapper.h"
+#include "ydd/reckoning/reckoning_options.h"
 #include "ydd/system/detector_runner.h"
 #include "ydd/tracking/tracker.h"
 #include "ydd/tracks/track_options.h"
@@ -27,6 +28,7 @@ struct SystemOptions {
   OrbOptions orb;
   DynamicsOptions dynamics;
   TrackerOptions tracking;
+  ReckoningOptions reckoning;
   MapperOptions mapping;
   LoopOptions loop;
   DetectOptions detect;
