@@ -44,6 +44,7 @@ constexpr Target kTargets[] = {{"bag_mcap", bag_mcap},
                                {"png", png},
                                {"png_pixels", png_pixels},
                                {"ros_messages", ros_messages},
+                               {"sensor_image", sensor_image},
                                {"sequence", sequence},
                                {"trajectory", trajectory},
                                {"yaml", yaml}};
