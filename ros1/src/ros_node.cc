@@ -52,6 +52,26 @@ void RosNode::subscribe() {
   colour_.subscribe(node_, "colour/image", kQueue);
   depth_.subscribe(node_, "depth/image", kQueue);
   info_.subscribe(node_, "colour/camera_info", kQueue);
+  constexpr std::uint32_t kSamples = 1000;  // some seconds of an IMU, while a frame is worked on
+  if (settings_.use_imu) imu_ = node_.subscribe("imu", kSamples, &RosNode::sense_turning, this);
+  if (settings_.use_odometry) {
+    wheels_ = node_.subscribe("wheel_odometry", kSamples, &RosNode::sense_wheels, this);
+  }
+}
+
+void RosNode::sense_turning(const sensor_msgs::ImuConstPtr& imu) {
+  const auto& w = imu->angular_velocity;
+  const auto& a = imu->linear_acceleration;
+  port_->add_imu(
+      {static_cast<std::int64_t>(imu->header.stamp.toNSec()), {w.x, w.y, w.z}, {a.x, a.y, a.z}});
+}
+
+void RosNode::sense_wheels(const nav_msgs::OdometryConstPtr& odometry) {
+  const geometry_msgs::Pose& pose = odometry->pose.pose;
+  port_->add_odometry(
+      static_cast<std::int64_t>(odometry->header.stamp.toNSec()),
+      {{pose.position.x, pose.position.y, pose.position.z},
+       {pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w}});
 }
 
 std::string RosNode::spin() {

@@ -9,11 +9,13 @@
 #include <message_filters/subscriber.h>
 #include <message_filters/sync_policies/approximate_time.h>
 #include <message_filters/synchronizer.h>
+#include <nav_msgs/Odometry.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <ros/spinner.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
+#include <sensor_msgs/Imu.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/buffer.h>
@@ -47,6 +49,8 @@ class RosNode {
   void take(const Image& colour, const Image& depth, const Info& info);
   bool start(const sensor_msgs::Image& colour, const sensor_msgs::CameraInfo& info);
   std::optional<PortPose> mounting(const std::string& camera_frame);
+  void sense_turning(const sensor_msgs::ImuConstPtr& imu);
+  void sense_wheels(const nav_msgs::OdometryConstPtr& odometry);
   void correct_odometry(const PortFrame& frame, const ros::Time& stamp);
   void count_missed(std::uint32_t sequence);
   void end(const std::string& reason);
@@ -71,6 +75,7 @@ class RosNode {
   message_filters::Subscriber<sensor_msgs::Image> colour_, depth_;
   message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
   message_filters::Synchronizer<Policy> pairs_{Policy(10)};
+  ros::Subscriber imu_, wheels_;
   std::vector<ros::ServiceServer> services_;
   ros::CallbackQueue aside_;  ///< of cloud and grid
   ros::AsyncSpinner aside_spinner_{1, &aside_};

@@ -14,6 +14,8 @@ void RobotOptions::describe(OptionTable& t) {
   t.add("base_frame", base_frame, {}, "frame of the robot; empty: that of the camera");
   t.add("publish_tf", publish_tf, "publish map to odom");
   t.add("publish_odom_tf", publish_odom_tf, "publish odom to base; off: another node does");
+  t.add("use_imu", use_imu, "let the IMU of the topic imu predict the motion");
+  t.add("use_odometry", use_odometry, "the same for the wheels of the topic wheel_odometry");
   t.add("map_file", map_file, {}, "map to go on with, and what load_map loads");
   t.add("save_file", save_file, {}, "map file that is saved by itself and by save_map");
   t.add("localization_only", localization_only, "use the map without changing it");
@@ -45,6 +47,7 @@ Result<RobotOptions> robot_options(const std::vector<std::string>& assignments) 
     if (auto r = table.load_yaml(options.config); !r) return r.error();
     if (auto r = apply(); !r) return r.error();
   }
+  if (auto r = check(options.system.reckoning); !r) return r.error();
   if (options.grid.min_height_m >= options.grid.max_height_m) {
     return Error{"parameter: grid_min_height_m must be less than grid_max_height_m"};
   }

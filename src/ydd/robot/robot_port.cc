@@ -86,6 +86,13 @@ std::array<double, 6> velocity_of_robot(const Vector6d& v_camera, const SE3& T_r
   return {v.x(), v.y(), v.z(), omega.x(), omega.y(), omega.z()};
 }
 
+/// As ReckoningOptions has it.
+std::string mounting_text(const SE3& T) {
+  const PortPose p = port_pose(T);
+  return fmt::format("{} {} {} {} {} {} {}", p.position_m[0], p.position_m[1], p.position_m[2],
+                     p.orientation[0], p.orientation[1], p.orientation[2], p.orientation[3]);
+}
+
 PortAnswer answer(const Result<void>& done, std::string text) {
   return done ? PortAnswer{true, std::move(text)} : PortAnswer{false, done.error().message};
 }
@@ -114,8 +121,9 @@ RobotPort::Opened RobotPort::open(const std::vector<std::string>& parameters) {
   auto state = std::make_unique<State>();
   state->options = *std::move(options);
   const RobotOptions& o = state->options;
-  state->settings = {o.map_frame,       o.odom_frame,       o.base_frame, o.publish_tf,
-                     o.publish_odom_tf, o.max_difference_s, o.path_hz};
+  state->settings = {o.map_frame,    o.odom_frame,       o.base_frame,
+                     o.publish_tf,   o.publish_odom_tf,  o.use_imu,
+                     o.use_odometry, o.max_difference_s, o.path_hz};
   return {std::unique_ptr<RobotPort>(new RobotPort(std::move(state))), {}};
 }
 
@@ -131,6 +139,8 @@ PortAnswer RobotPort::start(const PortCalibration& calibration, const PortPose& 
   s.T_robot_camera = from_port(T_robot_camera);
   s.find_floor = s.options.grid_floor == GridFloor::seen ||
                  (s.options.grid_floor == GridFloor::automatic && !robot_frame);
+  if (robot_frame)
+    s.options.system.reckoning.T_camera_base = mounting_text(s.T_robot_camera.inverse());
   const Result<void> done = guarded("", [&]() -> Result<void> {
     Result<RobotSetup> setup = robot_setup(s.options, from_port(calibration),
                                            robot_frame ? s.T_robot_camera : axes_of_robots());
@@ -212,6 +222,17 @@ PortFrame RobotPort::State::told(const RobotFrame& frame) const {
   }
   out.tracks_json = to_json_line({r.index, r.stamp, -1, frame.tracks});
   return out;
+}
+
+void RobotPort::add_imu(const PortImu& s) {
+  if (!state_->slam) return;
+  state_->slam->add(ImuSample{{s.stamp_ns},
+                              {s.gyro_rad_s[0], s.gyro_rad_s[1], s.gyro_rad_s[2]},
+                              {s.accel_m_s2[0], s.accel_m_s2[1], s.accel_m_s2[2]}});
+}
+
+void RobotPort::add_odometry(std::int64_t stamp_ns, const PortPose& T_odom_robot) {
+  if (state_->slam) state_->slam->add(OdometryPose{{stamp_ns}, from_port(T_odom_robot)});
 }
 
 PortPicture RobotPort::annotated() const {

@@ -49,6 +49,12 @@ struct PortTrack {
   bool moves = false;
 };
 
+/// As sensor_msgs/Imu has it, in the sensor's frame (option reckoning.T_camera_imu).
+struct PortImu {
+  std::int64_t stamp_ns = 0;
+  std::array<double, 3> gyro_rad_s{}, accel_m_s2{};
+};
+
 /// What became of one pair of pictures. The robot is its base frame, or the camera.
 struct PortFrame {
   std::string failure;  ///< one line; empty: none, and all below holds
@@ -97,6 +103,7 @@ struct PortCounts {
 struct PortSettings {
   std::string map_frame, odom_frame, base_frame;
   bool publish_tf = true, publish_odom_tf = true;
+  bool use_imu = false, use_odometry = false;
   double max_difference_s = 0, path_hz = 0;
 };
 
@@ -130,6 +137,12 @@ class RobotPort {
 
   /// Depth must be registered to colour. What cannot be processed costs nothing but itself.
   PortFrame push(std::int64_t stamp_ns, const PortImage& colour, const PortImage& depth);
+  /// Other senses predict the motion and bridge what the camera does not see. Samples come in the
+  /// order of time; before the start they are left out. Odometry is that of the robot's frame, or
+  /// (without one) of what option reckoning.T_camera_base says.
+  void add_imu(const PortImu& sample);
+  void add_odometry(std::int64_t stamp_ns, const PortPose& T_odom_robot);
+
   /// The picture of the newest frame with boxes, points and state.
   PortPicture annotated() const;
 

@@ -126,6 +126,21 @@ TEST_F(Robot, WhileItIsLostOdometryStandsStill) {
   EXPECT_LT(found.T_map_odom.position_m[1], -0.005);
 }
 
+TEST_F(Robot, WheelsBridgeWhatTheCameraDoesNotSee) {
+  const auto port = open();
+  const PortPose mounted{{0, 0, 0}, {-0.5, 0.5, -0.5, 0.5}};
+  ASSERT_TRUE(port->start(calibration(), mounted, true).done);
+  PortFrame frame;
+  for (int i = 0; i < 25; ++i) {
+    port->add_odometry(wall_.stamp(i).ns, {{0, -gone_m(i), 0}, {0, 0, 0, 1}});
+    const bool covered = i > 15;
+    frame = push(*port, covered ? wall_.dark_frame(i) : wall_.frame(i));
+    ASSERT_TRUE(frame.has_pose) << i << " " << frame.failure;
+  }
+  EXPECT_NEAR(frame.T_map_robot.position_m[1], -gone_m(24), 0.02);
+  EXPECT_GT(frame.covariance[7], 1e-6);
+}
+
 TEST_F(Robot, MapsAreSavedLoadedAndForgotten) {
   const TemporaryFolder folder;
   const auto port = open();

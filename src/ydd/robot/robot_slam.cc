@@ -35,6 +35,12 @@ Matrix6d covariance_of(const FrameReport& report, const Atlas& atlas, const SE3&
   constexpr double kUnknown = 1.0;  // square metres and radians: nothing is known
   constexpr double kChosen = 1e-8;  // the frame that a map begins with has its pose by choice
   constexpr std::size_t kLeast = 6;
+  if (const auto& reckoned = report.track.reckoned) {  // by other senses alone
+    Matrix6d out = Matrix6d::Zero();
+    out.diagonal().head<3>().setConstant(reckoned->sigma_m * reckoned->sigma_m + kChosen);
+    out.diagonal().tail<3>().setConstant(reckoned->sigma_rad * reckoned->sigma_rad + kChosen);
+    return out;
+  }
   const std::vector<PoseObservation> seen = observations_of(report, atlas);
   if (seen.size() < kLeast) {
     const bool begins = report.keyframe && report.track.inliers == 0;

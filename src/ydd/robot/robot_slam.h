@@ -61,6 +61,10 @@ class RobotSlam {
   /// else fails is as SlamSystem::process has it.
   Result<RobotFrame> push(const RgbdFrame& frame);
 
+  /// Other senses, as SlamSystem::add: before the first frame that is not earlier.
+  void add(const ImuSample& sample) { system_->add(sample); }
+  void add(const OdometryPose& pose) { system_->add(pose); }
+
   /// Forgets map and path; the next frame starts anew.
   void reset();
   /// Goes on in the map of a file instead of the one there is, which stays if that fails.
