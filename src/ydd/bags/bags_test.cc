@@ -242,6 +242,35 @@ TEST_F(BagFiles, TheFolderOfABagInSeveralFilesIsOneBag) {
   EXPECT_THAT((*cut)->incomplete(), HasSubstr("walk_10.db3 is "));
 }
 
+TEST_F(BagFiles, NothingIsWrittenBesideADatabase) {
+  const fs::path file = folder_ / "50% of a #walk?.db3";
+  write_sqlite_bag(file, some_messages(Wire::cdr));
+  sqlite3* db = nullptr;  // as ROS 2 records with the profile "resilient"
+  sqlite3_open(file.c_str(), &db);
+  sqlite3_exec(db, "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr);
+  sqlite3_close(db);
+  const auto bag = open_bag(file);
+  ASSERT_TRUE(bag) << bag.error().message;
+  EXPECT_EQ((*bag)->messages().size(), kPictures);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1);
+}
+
+TEST_F(BagFiles, AJournalThatWasLeftIsReadAsWell) {
+  const fs::path file = folder_ / "a.db3";
+  write_sqlite_bag(file, some_messages(Wire::cdr));
+  sqlite3* db = nullptr;
+  sqlite3_open(file.c_str(), &db);
+  sqlite3_exec(db, "PRAGMA journal_mode = WAL; DELETE FROM messages WHERE id > 4", nullptr, nullptr,
+               nullptr);
+  // A copy of both, as after a power cut: closing would take the journal over.
+  fs::create_directory(folder_ / "left");
+  for (const char* const name : {"a.db3", "a.db3-wal"}) {
+    fs::copy_file(folder_ / name, folder_ / "left" / name);
+  }
+  sqlite3_close(db);
+  EXPECT_EQ(open_bag(folder_ / "left/a.db3").value()->messages().size(), 2U);
+}
+
 TEST_F(BagFiles, McapOfRosOneMessages) {
   write_bytes(folder_ / "a.mcap", mcap_bag(some_messages(Wire::ros1), "", "ros1"));
   const auto bag = open_bag(folder_ / "a.mcap").value();

@@ -10,7 +10,7 @@
 
 #include "ydd/base/result.h"
 
-/// Bytes by position. Inside this room only.
+/// Bytes by position, for who walks through large files.
 namespace ydd::bags {
 
 /// No message of a picture and no chunk is larger.

@@ -37,12 +37,25 @@ std::string column_text(sqlite3_stmt* statement, int column) {
               : "";
 }
 
+/// As SQLite wants to have it: nothing is written beside the file, and no lock is needed. Only
+/// where a recorder left a journal that has not been taken over yet, that must be read as well.
+std::string uri_of(const std::filesystem::path& file) {
+  std::string uri = "file:";
+  for (const char c : std::filesystem::absolute(file).string()) {
+    const bool means_something = c == '?' || c == '#' || c == '%';
+    uri += means_something ? fmt::format("%{:02x}", static_cast<unsigned>(c)) : std::string(1, c);
+  }
+  std::error_code failure;
+  const auto journal = std::filesystem::file_size(file.string() + "-wal", failure);
+  return failure || journal == 0 ? uri + "?immutable=1" : uri;
+}
+
 /// A file of others: nothing in it is run, and none of its rows can be larger than a message.
 /// `cut`: also one that is shorter than it says.
 Connection open_readonly(const std::filesystem::path& file, bool cut) {
   sqlite3* raw = nullptr;
-  const int flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_FULLMUTEX;
-  const int code = sqlite3_open_v2(file.c_str(), &raw, flags, nullptr);
+  const int flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_FULLMUTEX | SQLITE_OPEN_URI;
+  const int code = sqlite3_open_v2(uri_of(file).c_str(), &raw, flags, nullptr);
   Connection out(raw);
   if (code != SQLITE_OK) return nullptr;
   sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, static_cast<int>(kLargestPiece));

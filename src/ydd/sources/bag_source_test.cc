@@ -165,6 +165,12 @@ TEST_F(BagSource, NothingOfAKindListsWhatThereIs) {
                                           "/camera/color/image_raw (bgr8, 1 messages)"));
 }
 
+TEST_F(BagSource, WithoutAnyPictureAllTopicsAreListed) {
+  add("/imu", "Imu", at(0), "x");
+  EXPECT_THAT(log_of_opening(), HasSubstr("no topic of colour pictures; topics: /imu "
+                                          "(sensor_msgs/msg/Imu, 1 messages)"));
+}
+
 TEST_F(BagSource, RegisteredDepthIsBetterThanTheSensorsOwn) {
   for (int i = 0; i < 2; ++i) add_depth("/camera/depth/image_rect_raw", at(i));
   add_info("/camera/depth/camera_info", 20);

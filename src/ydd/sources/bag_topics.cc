@@ -119,8 +119,10 @@ Result<std::size_t> choose_topic(const std::vector<TopicSeen>& topics, PictureUs
   }
   if (best.size() == 1) return best.front();
   if (best.empty()) {
-    return Error{fmt::format("no topic of {} pictures; topics of pictures: {}", name_of(use),
-                             listed(topics, is_picture))};
+    const bool has_pictures = std::any_of(topics.begin(), topics.end(), is_picture);
+    const auto pick = [&](const TopicSeen& topic) { return !has_pictures || is_picture(topic); };
+    return Error{fmt::format("no topic of {} pictures; topics{}: {}", name_of(use),
+                             has_pictures ? " of pictures" : "", listed(topics, pick))};
   }
   return Error{fmt::format("several topics can be {}: {}; say which with {}", name_of(use),
                            listed(topics,

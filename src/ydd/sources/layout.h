@@ -26,7 +26,8 @@ Layout scannet_layout();
 Layout open3d_layout();     ///< picture_folders.cc
 Layout realsense_layout();  ///< picture_folders.cc
 
-Layout bag_layout();  ///< bag_source.cc
+Layout sens_layout();  ///< sens_file.cc
+Layout bag_layout();   ///< bag_source.cc
 
 /// Whether the name is there, as whatever kind.
 bool has(const std::filesystem::path& folder, const char* name);

@@ -30,7 +30,7 @@ const std::vector<Layout>& layouts() {
   static const std::vector<Layout> all = {
       sources::icl_layout(),          sources::tum_layout(),     sources::openloris_layout(),
       sources::seven_scenes_layout(), sources::scannet_layout(), sources::open3d_layout(),
-      sources::realsense_layout(),    sources::bag_layout()};
+      sources::realsense_layout(),    sources::sens_layout(),    sources::bag_layout()};
   return all;
 }
 
