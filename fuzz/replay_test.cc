@@ -45,6 +45,7 @@ constexpr Target kTargets[] = {{"bag_mcap", bag_mcap},
                                {"png_pixels", png_pixels},
                                {"ros_messages", ros_messages},
                                {"sens", sens},
+                               {"sensor_image", sensor_image},
                                {"sequence", sequence},
                                {"trajectory", trajectory},
                                {"yaml", yaml}};

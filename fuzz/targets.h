@@ -29,6 +29,7 @@ void png(std::string_view input);
 void png_pixels(std::string_view input);
 void ros_messages(std::string_view input);
 void sens(std::string_view input);
+void sensor_image(std::string_view input);
 void sequence(std::string_view input);
 void trajectory(std::string_view input);
 void yaml(std::string_view input);

@@ -126,6 +126,9 @@ void add_bench_command(CLI::App& app, Job& job) {
                  &bench_recovery);
   add_seed_bench(*command, job, "motion",
                  "Worlds of points: how soon movers are found, and false alarms", &bench_motion);
+  add_seed_bench(*command, job, "tracks",
+                 "Simulated people: how well their tracks tell where they are and go",
+                 &bench_tracks);
   add_seed_bench(*command, job, "walk", "One long simulated walk: time, memory and map size",
                  &bench_walk);
 }

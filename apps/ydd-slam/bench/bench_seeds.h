@@ -47,4 +47,7 @@ Result<std::string> bench_walk(const SeedRequest& request);
 /// often something in a rigid room is taken for one.
 Result<std::string> bench_motion(const SeedRequest& request);
 
+/// People in the map's frame against the truth: place, velocity, mistaken identities.
+Result<std::string> bench_tracks(const SeedRequest& request);
+
 }  // namespace ydd::app

@@ -159,6 +159,7 @@ class Playback {
     if (!report) return Error{fmt::format("frame {}: {}", frame.index, report.error().message)};
     newest_ = frame.index;
     recorder_.add(*report, map_size(system_));
+    listeners_.tracks.add(*report);
     untracked_.add(frame, *report);
     listeners_.moments.add(frame, *report);
     if (live_) live_->publish(frame, *report);

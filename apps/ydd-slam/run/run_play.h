@@ -12,6 +12,7 @@
 #include "ydd/live/live_control.h"
 #include "ydd/pictures/key_moments.h"
 #include "ydd/system/run_recorder.h"
+#include "ydd/system/track_recorder.h"
 
 namespace ydd::app {
 
@@ -27,6 +28,7 @@ struct PlayInput {
 /// Who hears of every frame.
 struct Listeners {
   RunRecorder recorder;
+  TrackRecorder tracks;
   KeyMoments moments;
   std::unique_ptr<RunPictures> pictures;  ///< null: none are asked for, or they failed
   std::string pictures_failure;           ///< empty: they did not

@@ -51,6 +51,7 @@ void write_data(const RunResults& results, Attempts& attempts) {
         [&] { return format_trajectory(system.keyframe_trajectory(), TrajectoryFormat::tum); });
   write("config.yaml", [&] { return results.configuration.to_yaml(); });
   write("frames.json", [&] { return recorder.frames_json(); });
+  write("tracks.jsonl", [&] { return results.listeners.tracks.jsonl(*system.atlas()); });
   write("timings.json", [&] { return recorder.timings_json(system); });
   write("summary.json", [&] { return results.summary; });
   attempts.attempt([&] { return write_other_format(results, trajectory); });

@@ -58,7 +58,8 @@ Result<SimulatedRun> run_frames(const Simulator& simulator,
     const auto atlas = system.atlas();
     run.truth.push_back({frame.frame.stamp, frame.T_world_camera});
     run.steps.push_back({report->track.state, report->track.T_world_camera, frame.T_world_camera,
-                         cpu_ms_of(*report), atlas->keyframes().size(), atlas->points().size()});
+                         cpu_ms_of(*report), atlas->keyframes().size(), atlas->points().size(),
+                         report->tracks, frame.objects});
     if (done) done(i, run.steps.back());
   }
   if (auto r = system.finish(); !r) return r.error();

@@ -17,6 +17,8 @@ struct SimulatedStep {
   SE3 T_true_camera;   ///< in the simulator's world
   double cpu_ms = 0;   ///< of the tracking thread
   std::size_t keyframes = 0, points = 0;
+  std::vector<WorldTrack> tracks;        ///< as they were told then
+  std::vector<SimulatedObject> visible;  ///< what there was to see
 };
 
 /// A loop or merge held against the truth.

@@ -53,6 +53,7 @@ SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
       judge_(options_.dynamics, std::move(catalogue)),
       evidence_(options_.dynamics.evidence, camera_),
       tracker_(options_.tracking, map && !map->keyframes().empty()),
+      followed_(camera_, judge_.catalogue(), options_.dynamics.evidence.noise, options_.tracks),
       reckoning_(options_.reckoning),
       mapping_(make_mapping(initial_atlas(camera, options_, std::move(map)), options_)) {
   if (!detector) return;
@@ -78,8 +79,10 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
   if (!detections) return detections.error();
   report.detections = std::move(*detections);
   judge(frame, *features, report);
-  if (auto r = track(frame, report); !r) return r.error();
+  const std::shared_ptr<const Atlas> known = atlas();
+  if (auto r = track(frame, *known, report); !r) return r.error();
   settle_evidence(report);
+  follow_objects(frame, *known, report);
   settle_reckoning(report);
   if (saver_) saver_->offer(atlas());
   total_timer.stop();
@@ -111,6 +114,18 @@ void SlamSystem::settle_evidence(FrameReport& report) {
                    prior_of_cells(report.judgement.regions, *report.odds));
 }
 
+void SlamSystem::follow_objects(const RgbdFrame& frame, const Atlas& known, FrameReport& report) {
+  StageTimer timer(report.times, "tracks");
+  const TrackResult& track = report.track;
+  const SightedFrame sighted{report.judgement, report.detections, frame.depth_m, report.odds.get()};
+  const bool believed =
+      track.state == TrackingState::tracking && track.reference.valid() && !track.reckoned;
+  report.tracks =
+      believed ? followed_.see(frame.stamp, sighted, known,
+                               {track.reference, track.T_reference_camera, track.T_world_camera})
+               : followed_.coast(frame.stamp, known);
+}
+
 /// What was seen teaches the senses of motion.
 void SlamSystem::settle_reckoning(const FrameReport& report) {
   const TrackResult& track = report.track;
@@ -140,7 +155,7 @@ Result<Detections> SlamSystem::join_detections(const RgbdFrame& frame, FrameRepo
   return std::move(answer.detections);
 }
 
-Result<void> SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
+Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, FrameReport& report) {
   TrackedFrame tracked;
   tracked.index = frame.index;
   tracked.stamp = frame.stamp;
@@ -158,7 +173,7 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
     StageTimer timer(report.times, "grid");
     tracked.grid = std::make_shared<const KeypointGrid>(*report.filtered->kept, camera_);
   }
-  report.track = tracker_.track(std::move(tracked), *mapping_->atlas(), mapping_->idle());
+  report.track = tracker_.track(std::move(tracked), known, mapping_->idle());
   auto& times = report.track.times;
   report.times.insert(report.times.end(), times.begin(), times.end());
   report.points = report.track.points;
@@ -192,6 +207,7 @@ void SlamSystem::reset() {
   judge_ = DynamicsJudge(options_.dynamics, judge_.catalogue());
   judge_.set_variant(variant);
   evidence_.clear();
+  followed_.clear();
   reckoning_.clear();
   if (asynchronous_) asynchronous_->forget();
   repeated_pictures_ = {};

@@ -12,6 +12,7 @@
 #include "ydd/dynamics/judge.h"
 #include "ydd/evidence/motion_evidence.h"
 #include "ydd/system/detector_runner.h"
+#include "ydd/system/followed_objects.h"
 #include "ydd/system/map_saver.h"
 #include "ydd/system/mapping_runner.h"
 #include "ydd/system/repeated_pictures.h"
@@ -31,6 +32,7 @@ struct FrameReport {
   Judgement judgement;
   std::shared_ptr<const FilteredFeatures> filtered;
   std::vector<MapPointId> points;  ///< per kept keypoint
+  std::vector<WorldTrack> tracks;  ///< people and moving things, in the world of T_world_camera
   StageTimes times;                ///< of this frame, in order; "total" last
 };
 
@@ -107,8 +109,9 @@ class SlamSystem {
   void look_for_motion(const RgbdFrame& frame, const std::shared_ptr<const Features>& features,
                        FrameReport& report);
   void judge(const RgbdFrame& frame, const Features& features, FrameReport& report);
-  Result<void> track(const RgbdFrame& frame, FrameReport& report);
+  Result<void> track(const RgbdFrame& frame, const Atlas& known, FrameReport& report);
   void settle_evidence(FrameReport& report);
+  void follow_objects(const RgbdFrame& frame, const Atlas& known, FrameReport& report);
   void settle_reckoning(const FrameReport& report);
   MapId main_map() const;
 
@@ -118,6 +121,7 @@ class SlamSystem {
   DynamicsJudge judge_;
   MotionEvidence evidence_;
   Tracker tracker_;
+  FollowedObjects followed_;
   DeadReckoning reckoning_;
   std::unique_ptr<MappingRunner> mapping_;
   std::unique_ptr<DetectorRunner> detector_;             // of every frame

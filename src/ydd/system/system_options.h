@@ -12,6 +12,7 @@
 #include "ydd/reckoning/reckoning_options.h"
 #include "ydd/system/detector_runner.h"
 #include "ydd/tracking/tracker.h"
+#include "ydd/tracks/track_options.h"
 
 namespace ydd {
 
@@ -32,6 +33,7 @@ struct SystemOptions {
   LoopOptions loop;
   DetectOptions detect;
   MapOptions map;
+  WorldTrackOptions tracks;
   /// Readings up to here tell of their point's place by themselves: they become points at once.
   double close_depth_m = 3.0;
   bool deterministic = false;

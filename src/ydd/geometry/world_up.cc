@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ydd/viewer/world_up.h"
+#include "ydd/geometry/world_up.h"
 
 #include <Eigen/Cholesky>
 
