@@ -34,45 +34,44 @@ CellReadings readings_of(const float* upper, const float* lower, int left_px, in
   return {z[last / 2], z[0], z[last], static_cast<float>(count)};
 }
 
-/// Readings of the cells of one row, or of several rows together.
-struct Row {
+/// Readings of cells: parallel arrays.
+struct Cells {
   std::vector<float> near_m, far_m, count;
-  explicit Row(int columns)
-      : near_m(static_cast<std::size_t>(columns)), far_m(near_m.size()), count(near_m.size()) {}
+  explicit Cells(int cells)
+      : near_m(static_cast<std::size_t>(cells)), far_m(near_m.size()), count(near_m.size()) {}
 };
 
-/// Each cell with its neighbours left and right.
-void widen(const Row& row, Row& out) {
+/// A row of cells, each with its neighbours left and right; `first` is where it begins in `out`.
+void widen(const Cells& row, std::size_t first, Cells& out) {
   const std::size_t n = row.near_m.size();
-  const auto at = [&](std::size_t i, std::size_t left, std::size_t right) {
-    out.near_m[i] = std::min({row.near_m[left], row.near_m[i], row.near_m[right]});
-    out.far_m[i] = std::max({row.far_m[left], row.far_m[i], row.far_m[right]});
-    out.count[i] =
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t left = i == 0 ? 0 : i - 1, right = i + 1 == n ? i : i + 1;
+    out.near_m[first + i] = std::min({row.near_m[left], row.near_m[i], row.near_m[right]});
+    out.far_m[first + i] = std::max({row.far_m[left], row.far_m[i], row.far_m[right]});
+    out.count[first + i] =
         row.count[i] + (left < i ? row.count[left] : 0.0F) + (right > i ? row.count[right] : 0.0F);
-  };
-  if (n == 1) return at(0, 0, 0);
-  at(0, 0, 1);
-  for (std::size_t i = 1; i + 1 < n; ++i) at(i, i - 1, i + 1);
-  at(n - 1, n - 2, n - 1);
+  }
 }
 
-/// Three rows of widened cells together, as the surroundings of the middle one.
-void gather(const Row* above, const Row& middle, const Row* below, float* near_m, float* far_m) {
-  const std::size_t n = middle.near_m.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    float near = middle.near_m[i], far = middle.far_m[i], count = middle.count[i];
-    const float columns = n == 1 ? 1.0F : (i == 0 || i + 1 == n) ? 2.0F : 3.0F;
-    float asked = kSamples * columns;
-    for (const Row* row : {above, below}) {
-      if (!row) continue;
-      near = std::min(near, row->near_m[i]);
-      far = std::max(far, row->far_m[i]);
-      count += row->count[i];
-      asked += kSamples * columns;
+/// The surroundings of each cell: its row's widened cells with those above and below.
+void gather(const Cells& widened, CoarseDepth& out) {
+  const CellGrid& grid = out.grid;
+  for (int row = 0; row < grid.rows; ++row) {
+    const int above = std::max(0, row - 1), below = std::min(grid.rows - 1, row + 1);
+    for (int column = 0; column < grid.columns; ++column) {
+      float near_m = kFar, far_m = 0, count = 0;
+      for (int r = above; r <= below; ++r) {
+        const auto i = static_cast<std::size_t>(grid.index(column, r));
+        near_m = std::min(near_m, widened.near_m[i]);
+        far_m = std::max(far_m, widened.far_m[i]);
+        count += widened.count[i];
+      }
+      const int beside = std::min(grid.columns - 1, column + 1) - std::max(0, column - 1) + 1;
+      const bool enough = 2 * count > static_cast<float>(kSamples * beside * (below - above + 1));
+      const auto cell = static_cast<std::size_t>(grid.index(column, row));
+      out.near_m[cell] = enough ? near_m : 0.0F;
+      out.far_m[cell] = enough ? far_m : 0.0F;
     }
-    const bool enough = 2 * count > asked;
-    near_m[i] = enough ? near : 0.0F;
-    far_m[i] = enough ? far : 0.0F;
   }
 }
 
@@ -86,27 +85,23 @@ CoarseDepth coarse_depth(const DepthImage& depth_m, int cell_px) {
     v->resize(static_cast<std::size_t>(grid.cells()));
   }
   const int low_px = cell_px / 4, high_px = cell_px - 1 - low_px;
-  std::vector<Row> widened(static_cast<std::size_t>(grid.rows), Row(grid.columns));
-  Row readings(grid.columns);
+  Cells widened(grid.cells()), readings(grid.columns);
   for (int row = 0; row < grid.rows; ++row) {
     const float* upper = depth_m.row(row * cell_px + low_px);
     const float* lower = depth_m.row(row * cell_px + high_px);
+    const auto first = static_cast<std::size_t>(grid.index(0, row));
     for (int column = 0; column < grid.columns; ++column) {
       const int x_px = column * cell_px;
       const auto i = static_cast<std::size_t>(column);
       const CellReadings cell = readings_of(upper, lower, x_px + low_px, x_px + high_px);
-      out.z_m[static_cast<std::size_t>(grid.index(column, row))] = cell.middle_m;
+      out.z_m[first + i] = cell.middle_m;
       readings.near_m[i] = cell.near_m;
       readings.far_m[i] = cell.far_m;
       readings.count[i] = cell.count;
     }
-    widen(readings, widened[static_cast<std::size_t>(row)]);
+    widen(readings, first, widened);
   }
-  for (int row = 0; row < grid.rows; ++row) {
-    const Row* middle = &widened[static_cast<std::size_t>(row)];
-    gather(row > 0 ? middle - 1 : nullptr, *middle, row + 1 < grid.rows ? middle + 1 : nullptr,
-           out.near_m.data() + grid.index(0, row), out.far_m.data() + grid.index(0, row));
-  }
+  gather(widened, out);
   return out;
 }
 

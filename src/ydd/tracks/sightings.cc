@@ -21,9 +21,10 @@ struct Reading {
   float x_px = 0, y_px = 0, z_m = 0;
 };
 
+/// `values` is room to work in.
 template <class Items, class Get>
-float quantile(const Items& items, double share, Get get) {
-  std::vector<float> values;
+float quantile(const Items& items, double share, Get get, std::vector<float>& values) {
+  values.clear();
   values.reserve(items.size());
   for (const auto& item : items) values.push_back(get(item));
   const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
@@ -44,6 +45,11 @@ class Readings {
   /// Those in the box and the range that no object has taken.
   std::vector<Reading> in(const Box& box, const DepthRange& range) const {
     std::vector<Reading> out;
+    const auto along = [&](float px) {
+      return static_cast<std::size_t>(px) / static_cast<std::size_t>(step_px_) + 2;
+    };
+    out.reserve(std::min(taken_.size(),
+                         along(std::max(0.0F, box.width())) * along(std::max(0.0F, box.height()))));
     visit(box, [&](int x, int y, float z_m) {
       const bool free = taken_[index(x, y)] == 0;
       if (free && range.contains(z_m)) {
@@ -104,7 +110,9 @@ std::vector<Reading> readings_of(const Asked& asked, const Readings& all) {
   std::vector<Reading> core = all.in(core_of(box, asked.person), asked.range);
   if (core.size() < kLeastReadings) core = all.in(box, asked.range);
   if (core.size() < kLeastReadings) return {};
-  const float middle_m = quantile(core, 0.5, [](const Reading& r) { return r.z_m; });
+  std::vector<float> values;
+  const float middle_m = quantile(
+      core, 0.5, [](const Reading& r) { return r.z_m; }, values);
   const float reach_m =
       asked.person ? kBody_m : std::max(0.1F, static_cast<float>(asked.thickness_m));
   return all.in(box, {middle_m - reach_m, middle_m + reach_m});
@@ -128,15 +136,17 @@ class Measure {
       };
     };
     Sighting out;
-    const double z_m = static_cast<double>(quantile(readings, 0.5, axis(2)));
+    const double z_m = static_cast<double>(quantile(readings, 0.5, axis(2), values_));
     const Eigen::Vector2d image_px(
-        static_cast<double>(quantile(readings, 0.5, [](const Reading& r) { return r.x_px; })),
-        static_cast<double>(quantile(readings, 0.5, [](const Reading& r) { return r.y_px; })));
+        static_cast<double>(quantile(
+            readings, 0.5, [](const Reading& r) { return r.x_px; }, values_)),
+        static_cast<double>(quantile(
+            readings, 0.5, [](const Reading& r) { return r.y_px; }, values_)));
     const Eigen::Vector3d surface = camera_.unproject(camera_.undistort(image_px), z_m);
     out.p_camera = surface * (1.0 + half_m / surface.norm());
     for (int k = 0; k < 2; ++k) {
-      out.extent_m[k] = static_cast<double>(quantile(readings, 0.98, axis(k)) -
-                                            quantile(readings, 0.02, axis(k)));
+      out.extent_m[k] = static_cast<double>(quantile(readings, 0.98, axis(k), values_) -
+                                            quantile(readings, 0.02, axis(k), values_));
     }
     out.extent_m.z() = thickness_m;
     const bool cut_x = box.x0 < kBorder_px || box.x1 > image_width() - kBorder_px;
@@ -165,6 +175,7 @@ class Measure {
   const Camera& camera_;
   const SensorNoise& noise_;
   const WorldTrackOptions& options_;
+  mutable std::vector<float> values_;  ///< room to work in
 };
 
 /// Whether an object is told of: persons always, other things when they were judged to move.
@@ -240,15 +251,17 @@ class MovingSurfaces {
 
   std::vector<std::vector<int>> groups(int least_cells) {
     std::vector<std::vector<int>> out;
+    std::vector<int> group;
     for (int i = 0; i < grid().cells(); ++i) {
-      std::vector<int> group = grow(i);
-      if (static_cast<int>(group.size()) >= least_cells) out.push_back(std::move(group));
+      grow(i, group);
+      if (static_cast<int>(group.size()) >= least_cells) out.push_back(group);
     }
     return out;
   }
 
   std::vector<Reading> readings(const std::vector<int>& group) const {
     std::vector<Reading> out;
+    out.reserve(group.size());
     const float side = static_cast<float>(grid().cell_px);
     for (const int i : group) {
       out.push_back({(static_cast<float>(i % grid().columns) + 0.5F) * side,
@@ -279,9 +292,9 @@ class MovingSurfaces {
   }
 
   /// The surface around a cell, which is taken away; empty: there is none.
-  std::vector<int> grow(int start) {
+  void grow(int start, std::vector<int>& group) {
     constexpr float kStepShare = 0.1F;  // of depth, from cell to cell
-    std::vector<int> group;
+    group.clear();
     const auto add = [&](int cell) {
       if (free_[static_cast<std::size_t>(cell)] == 0 || z_m(cell) <= 0) return;
       free_[static_cast<std::size_t>(cell)] = 0;
@@ -300,7 +313,6 @@ class MovingSurfaces {
       step(x, y - 1);
       step(x, y + 1);
     }
-    return group;
   }
 
   const MotionOdds& odds_;
