@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "common/terminal.h"
 #include "run/run_job.h"
+#include "ydd/base/interruption.h"
 #include "ydd/base/log.h"
 #include "ydd/sources/source.h"
 
@@ -158,6 +159,7 @@ Result<void> run_and_tell(const RunRequest& request) {
       log::warning("{}; what was done until then is in {}", outcome->incomplete,
                    outcome->folder.string());
     }
+    if (!cut_short) interruption::forgive();  // it came while the last results were written
     return {};
   }
   if (!cut_short) return Error{outcome->failure};

@@ -23,6 +23,9 @@ int signal();
 /// Its name, "SIGINT"; empty: none.
 std::string signal_name();
 
+/// All was done before the signal cut anything short: the program ends as if none had come.
+void forgive();
+
 /// Sleeps until `when`, or until a signal asks to end. False when one did.
 bool sleep_until(std::chrono::steady_clock::time_point when);
 
