@@ -81,7 +81,8 @@ TEST(Run, TwoDeterministicRunsGiveTheSameBytes) {
         {"--deterministic", "--dump-map", "--detections", busy_room() / "detections.jsonl",
          "--dynamic", "full", "--max-frames", "40"});
   }
-  for (const char* const name : {"trajectory.tum", "keyframes.tum", "map.txt", "config.yaml"}) {
+  for (const char* const name :
+       {"trajectory.tum", "keyframes.tum", "map.txt", "config.yaml", "tracks.jsonl"}) {
     const std::string a = text_of(folder / "a" / name);
     EXPECT_GT(a.size(), 100U) << name;
     EXPECT_TRUE(a == text_of(folder / "b" / name)) << name << " differs";
@@ -91,10 +92,10 @@ TEST(Run, TwoDeterministicRunsGiveTheSameBytes) {
 TEST(Run, LeavesAFolderThatTellsEverything) {
   const TemporaryFolder folder;
   run(few_frames(), folder / "a", {"--deterministic", "--seed", "5"});
-  EXPECT_THAT(
-      names_in(folder / "a"),
-      testing::UnorderedElementsAre("trajectory.tum", "keyframes.tum", "summary.json",
-                                    "config.yaml", "timings.json", "frames.json", "report.html"));
+  EXPECT_THAT(names_in(folder / "a"),
+              testing::UnorderedElementsAre("trajectory.tum", "keyframes.tum", "summary.json",
+                                            "config.yaml", "timings.json", "frames.json",
+                                            "tracks.jsonl", "report.html"));
   const json summary = json_of(folder / "a/summary.json");
   for (const char* const key : {"version",
                                 "sequence",
