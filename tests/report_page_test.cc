@@ -55,16 +55,30 @@ TEST(ReportPage, ShowsARun) {
   expect_no_complaints(page);
   EXPECT_THAT(page.out, HasSubstr("data-drawn=\"9\"")) << "all plots were drawn";
   const std::string body = body_of(page.out);
-  for (const char* const shown :
-       {"variant full", "ATE, RMSE (SE(3))", "45 of 45", "From above", "From the side",
-        "ground truth", "Key moments", "data:image/jpeg;base64,", "ATE: distance to ground truth",
-        "RPE: drift over 1 s", "Requested and kept per frame", "Rejected per rule", "body depth",
-        "Processor time per stage", "Distribution of times", "Map growth", "Configuration",
-        "OpenCV"}) {
+  for (const char* const shown : {"variant full",
+                                  "ATE, RMSE (SE(3))",
+                                  "45 of 45",
+                                  "From above",
+                                  "From the side",
+                                  "ground truth",
+                                  "Key moments",
+                                  "data:image/jpeg;base64,",
+                                  "ATE: distance to ground truth",
+                                  "RPE: drift over 1 s",
+                                  "Requested and kept per frame",
+                                  "Rejected per rule",
+                                  "body depth",
+                                  "Processor time per stage",
+                                  "Distribution of times",
+                                  "Map growth",
+                                  "Configuration",
+                                  "People and moving things",
+                                  "person 0",
+                                  "OpenCV"}) {
     EXPECT_THAT(body, HasSubstr(shown));
   }
-  EXPECT_EQ(count_of(body, "<svg"), 4U) << "the room and the ways of its people, from two sides";
-  EXPECT_GE(count_of(body, "class=\"estimate\""), 2U);
+  EXPECT_EQ(count_of(body, "<svg"), 4U) << "the trajectory and people, each from two sides";
+  EXPECT_GE(count_of(body, "class=\"estimate\""), 6U) << "the camera in both, and somebody";
   EXPECT_THAT(body, Not(HasSubstr("NaN")));
   EXPECT_THAT(body, Not(HasSubstr("undefined")));
 }

@@ -81,7 +81,8 @@ TEST(Run, TwoDeterministicRunsGiveTheSameBytes) {
         {"--deterministic", "--dump-map", "--detections", busy_room() / "detections.jsonl",
          "--dynamic", "full", "--max-frames", "40"});
   }
-  for (const char* const name : {"trajectory.tum", "keyframes.tum", "map.txt", "config.yaml"}) {
+  for (const char* const name :
+       {"trajectory.tum", "keyframes.tum", "map.txt", "config.yaml", "tracks.jsonl"}) {
     const std::string a = text_of(folder / "a" / name);
     EXPECT_GT(a.size(), 100U) << name;
     EXPECT_TRUE(a == text_of(folder / "b" / name)) << name << " differs";

@@ -21,16 +21,23 @@ struct Reading {
   float x_px = 0, y_px = 0, z_m = 0;
 };
 
-/// `values` is room to work in.
-template <class Items, class Get>
-float quantile(const Items& items, double share, Get get, std::vector<float>& values) {
-  values.clear();
-  values.reserve(items.size());
-  for (const auto& item : items) values.push_back(get(item));
-  const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + k, values.end());
-  return values[static_cast<std::size_t>(k)];
-}
+/// The value below which a share of all lies. Keeps its memory between calls.
+class Quantile {
+ public:
+  template <class Items, class Get>
+  float operator()(const Items& items, double share, Get get) {
+    values_.clear();
+    values_.reserve(items.size());
+    for (const auto& item : items) values_.push_back(get(item));
+    const auto k =
+        static_cast<std::ptrdiff_t>(share * static_cast<double>(values_.size() - 1) + 0.5);
+    std::nth_element(values_.begin(), values_.begin() + k, values_.end());
+    return values_[static_cast<std::size_t>(k)];
+  }
+
+ private:
+  std::vector<float> values_;
+};
 
 /// The readings of a frame on a coarse grid; each is given to one object only.
 class Readings {
@@ -45,11 +52,8 @@ class Readings {
   /// Those in the box and the range that no object has taken.
   std::vector<Reading> in(const Box& box, const DepthRange& range) const {
     std::vector<Reading> out;
-    const auto along = [&](float px) {
-      return static_cast<std::size_t>(px) / static_cast<std::size_t>(step_px_) + 2;
-    };
-    out.reserve(std::min(taken_.size(),
-                         along(std::max(0.0F, box.width())) * along(std::max(0.0F, box.height()))));
+    out.reserve(
+        static_cast<std::size_t>(box.area()) / static_cast<std::size_t>(step_px_ * step_px_) + 1);
     visit(box, [&](int x, int y, float z_m) {
       const bool free = taken_[index(x, y)] == 0;
       if (free && range.contains(z_m)) {
@@ -105,14 +109,12 @@ struct Asked {
 };
 
 /// Its readings: around the middle one of those in its core, and around the thing's own thickness.
-std::vector<Reading> readings_of(const Asked& asked, const Readings& all) {
+std::vector<Reading> readings_of(const Asked& asked, const Readings& all, Quantile& quantile) {
   const Box& box = asked.object->box;
   std::vector<Reading> core = all.in(core_of(box, asked.person), asked.range);
   if (core.size() < kLeastReadings) core = all.in(box, asked.range);
   if (core.size() < kLeastReadings) return {};
-  std::vector<float> values;
-  const float middle_m = quantile(
-      core, 0.5, [](const Reading& r) { return r.z_m; }, values);
+  const float middle_m = quantile(core, 0.5, [](const Reading& r) { return r.z_m; });
   const float reach_m =
       asked.person ? kBody_m : std::max(0.1F, static_cast<float>(asked.thickness_m));
   return all.in(box, {middle_m - reach_m, middle_m + reach_m});
@@ -125,7 +127,7 @@ class Measure {
 
   /// `half_m`: from the surface that is seen to the middle.
   Sighting of(const std::vector<Reading>& readings, const Box& box, double half_m,
-              double thickness_m) const {
+              double thickness_m, Quantile& quantile) const {
     const auto axis = [&](int k) {
       return [this, k](const Reading& r) {
         return k == 0 ? (r.x_px - static_cast<float>(camera_.cx_px)) * r.z_m /
@@ -136,17 +138,15 @@ class Measure {
       };
     };
     Sighting out;
-    const double z_m = static_cast<double>(quantile(readings, 0.5, axis(2), values_));
+    const double z_m = static_cast<double>(quantile(readings, 0.5, axis(2)));
     const Eigen::Vector2d image_px(
-        static_cast<double>(quantile(
-            readings, 0.5, [](const Reading& r) { return r.x_px; }, values_)),
-        static_cast<double>(quantile(
-            readings, 0.5, [](const Reading& r) { return r.y_px; }, values_)));
+        static_cast<double>(quantile(readings, 0.5, [](const Reading& r) { return r.x_px; })),
+        static_cast<double>(quantile(readings, 0.5, [](const Reading& r) { return r.y_px; })));
     const Eigen::Vector3d surface = camera_.unproject(camera_.undistort(image_px), z_m);
     out.p_camera = surface * (1.0 + half_m / surface.norm());
     for (int k = 0; k < 2; ++k) {
-      out.extent_m[k] = static_cast<double>(quantile(readings, 0.98, axis(k), values_) -
-                                            quantile(readings, 0.02, axis(k), values_));
+      out.extent_m[k] = static_cast<double>(quantile(readings, 0.98, axis(k)) -
+                                            quantile(readings, 0.02, axis(k)));
     }
     out.extent_m.z() = thickness_m;
     const bool cut_x = box.x0 < kBorder_px || box.x1 > image_width() - kBorder_px;
@@ -175,7 +175,6 @@ class Measure {
   const Camera& camera_;
   const SensorNoise& noise_;
   const WorldTrackOptions& options_;
-  mutable std::vector<float> values_;  ///< room to work in
 };
 
 /// Whether an object is told of: persons always, other things when they were judged to move.
@@ -251,9 +250,8 @@ class MovingSurfaces {
 
   std::vector<std::vector<int>> groups(int least_cells) {
     std::vector<std::vector<int>> out;
-    std::vector<int> group;
     for (int i = 0; i < grid().cells(); ++i) {
-      grow(i, group);
+      const std::vector<int>& group = grow(i);
       if (static_cast<int>(group.size()) >= least_cells) out.push_back(group);
     }
     return out;
@@ -261,7 +259,6 @@ class MovingSurfaces {
 
   std::vector<Reading> readings(const std::vector<int>& group) const {
     std::vector<Reading> out;
-    out.reserve(group.size());
     const float side = static_cast<float>(grid().cell_px);
     for (const int i : group) {
       out.push_back({(static_cast<float>(i % grid().columns) + 0.5F) * side,
@@ -291,9 +288,10 @@ class MovingSurfaces {
     }
   }
 
-  /// The surface around a cell, which is taken away; empty: there is none.
-  void grow(int start, std::vector<int>& group) {
+  /// The surface around a cell, which is taken away; empty: there is none. Until the next call.
+  const std::vector<int>& grow(int start) {
     constexpr float kStepShare = 0.1F;  // of depth, from cell to cell
+    std::vector<int>& group = group_;
     group.clear();
     const auto add = [&](int cell) {
       if (free_[static_cast<std::size_t>(cell)] == 0 || z_m(cell) <= 0) return;
@@ -313,9 +311,11 @@ class MovingSurfaces {
       step(x, y - 1);
       step(x, y + 1);
     }
+    return group;
   }
 
   const MotionOdds& odds_;
+  std::vector<int> group_;
   std::vector<std::uint8_t> free_;  ///< cells that move and belong to nothing yet
 };
 
@@ -329,7 +329,7 @@ Box box_around(const std::vector<Reading>& readings, float margin_px) {
 }
 
 std::vector<Sighting> unnamed_things(const SightedFrame& frame, const Measure& measure,
-                                     const WorldTrackOptions& options) {
+                                     const WorldTrackOptions& options, Quantile& quantile) {
   std::vector<Sighting> out;
   if (!frame.odds || frame.odds->empty()) return out;
   MovingSurfaces surfaces(frame);
@@ -340,7 +340,8 @@ std::vector<Sighting> unnamed_things(const SightedFrame& frame, const Measure& m
     const auto [near, far] =
         std::minmax_element(readings.begin(), readings.end(),
                             [](const Reading& a, const Reading& b) { return a.z_m < b.z_m; });
-    Sighting sighting = measure.of(readings, box, 0, static_cast<double>(far->z_m - near->z_m));
+    Sighting sighting =
+        measure.of(readings, box, 0, static_cast<double>(far->z_m - near->z_m), quantile);
     sighting.class_name = kThing;
     sighting.moves = true;
     sighting.log_odds = surfaces.log_odds(group);
@@ -376,14 +377,15 @@ std::vector<Sighting> find_sightings(const SightedFrame& frame, const Camera& ca
   if (frame.depth_m.empty()) return {};
   const Measure measure(camera, noise, options);
   Readings all(frame.depth_m);
+  Quantile quantile;
   std::vector<Measured> objects;
   for (const Asked& asked : asked_of(frame, catalogue)) {
-    const std::vector<Reading> readings = readings_of(asked, all);
+    const std::vector<Reading> readings = readings_of(asked, all, quantile);
     if (readings.size() < kLeastReadings) continue;
     all.take(readings);
     const ObjectJudgement& object = *asked.object;
     const double half_m = asked.person ? kBodyHalf_m : kSurfaceShare * asked.thickness_m;
-    Sighting sighting = measure.of(readings, object.box, half_m, asked.thickness_m);
+    Sighting sighting = measure.of(readings, object.box, half_m, asked.thickness_m, quantile);
     sighting.class_name = frame.detections[static_cast<std::size_t>(object.detection)].class_name;
     sighting.image_track = object.track;
     sighting.moves = object.rule != Rule::kept;
@@ -393,7 +395,7 @@ std::vector<Sighting> find_sightings(const SightedFrame& frame, const Camera& ca
   }
   std::vector<Sighting> out;
   for (Measured& object : objects) out.push_back(std::move(object.sighting));
-  const std::vector<Sighting> things = unnamed_things(frame, measure, options);
+  const std::vector<Sighting> things = unnamed_things(frame, measure, options, quantile);
   out.insert(out.end(), things.begin(), things.end());
   return out;
 }
