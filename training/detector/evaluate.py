@@ -17,6 +17,7 @@ from .boxes import area, intersections, iou
 from .classes import CLASSES
 from .data import size
 from .label_real import frames_of, truth
+from .photographs import LONGEST
 from .networks import Found, Teachers, ours
 
 SMALLEST_PX = 10  # of the shorter side at 640 px width; smaller boxes are unknown
@@ -39,6 +40,22 @@ def folder(d: pathlib.Path) -> list[Picture]:
     for f in sorted(d.glob("*.json")):
         t = json.loads(f.read_text())
         out.append(_without_tiny(Picture(f.with_suffix(".jpg"), rows(t["boxes"]), rows(t["ignore"])), 400))
+    return out
+
+
+def judged(d: pathlib.Path) -> list[Picture]:
+    """Photographs kept apart (SET/NAME.json, SET/labels.json): every set by the classes that it labels."""
+    out = []
+    for names in sorted(d.glob("*/labels.json")):
+        known = tuple(CLASSES.index(c) for c in json.loads(names.read_text())["labelled"])
+        for f in sorted(names.parent.glob("*.json")):
+            if f == names:
+                continue
+            t = json.loads(f.read_text())
+            unknown = [[c, *r[-4:]] for r in t["ignore"] for c in known]
+            boxes = [[CLASSES.index(r[0]), *r[1:]] for r in t["boxes"]]
+            picture = Picture(f.with_suffix(".jpg"), rows(boxes), rows(unknown), known)
+            out.append(_without_tiny(picture, LONGEST))
     return out
 
 
@@ -136,15 +153,17 @@ def measure(detector: object, pictures: list[Picture], floor: float = 0.02) -> d
 
 
 def table(results: dict[str, dict[str, Tally]], threshold: float) -> str:
-    head = "| class | boxes | " + " | ".join(f"{n}: precision, recall, AP50" for n in results) + " |"
+    """AP50, in brackets precision and recall at the threshold."""
+    head = "| class | boxes | " + " | ".join(results) + " |"
     lines = [head, "|" + " --- |" * (2 + len(results))]
     f = lambda v: "-" if np.isnan(v) else f"{v:.2f}"
     for c in CLASSES:
         n = next(iter(results.values()))[c].truths
         if n:
-            cells = [", ".join(f(v) for v in (*r[c].at(threshold), r[c].ap())) for r in results.values()]
+            cells = [f"{f(r[c].ap())} ({', '.join(f(v) for v in r[c].at(threshold))})" for r in results.values()]
             lines.append(f"| {c} | {n} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    means = [np.nanmean([r[c].ap() for c in CLASSES if r[c].truths]) for r in results.values()]
+    return "\n".join([*lines, "| mean | | " + " | ".join(f(m) for m in means) + " |"])
 
 
 def false_alarms(detector: object, files: list[pathlib.Path], threshold: float) -> dict[str, int]:
@@ -171,6 +190,8 @@ def main() -> None:
     )
     a("--threshold", type=float, default=0.3)
     a("--folder", type=pathlib.Path, nargs="*", default=[])
+    a("--judge", type=pathlib.Path, help="folder of photographs kept apart (detector.photographs)")
+    a("--before", type=pathlib.Path, help="an earlier network of ours to stand beside")
     a("--sequence", nargs="*", default=[], help="DIR=A:B:STEP with exact boxes")
     a("--taught", nargs="*", default=[], help="DIR=A:B:STEP, truth: confident boxes of the teachers")
     a("--eyeballed", type=pathlib.Path)
@@ -182,8 +203,12 @@ def main() -> None:
     by = lambda s: f"{s[0]}x{s[1]}"
     nets = {f"ours {by(s)}": ours(args.model, s) for s in args.sizes}
     nets[f"teachers {by(args.sizes[-1])}"] = Teachers(args.models, args.sizes[-1])
+    if args.before:
+        nets[f"before {by(args.sizes[-1])}"] = ours(args.before, args.sizes[-1])
     part = lambda s: (pathlib.Path(s.split("=")[0]), s.split("=")[1])
     sets: dict[str, list[Picture]] = {str(d): folder(d) for d in args.folder}
+    if args.judge:
+        sets["photographs kept apart"] = judged(args.judge)
     sets |= {s: sequence(*part(s)) for s in args.sequence}
     if args.eyeballed:
         trained = {f for s in args.trained for f in frames_of(*part(s))}
