@@ -15,9 +15,11 @@ import cv2
 import numpy as np
 
 from .boxes import area, clipped, intersections
+from .classes import CLASSES
 
 Rng = np.random.Generator
 FRAME_W, FRAME_H = 400, 300
+LONGEST = 416  # side of a photograph
 
 
 def size(text: str) -> tuple[int, int]:
@@ -34,6 +36,10 @@ class Sample:
     boxes: np.ndarray  # [n, 5] class, x0, y0, x1, y1
     ignore: np.ndarray  # [m, 5]
     real: bool = False  # nothing in it is rendered
+
+
+def number(name: str | int) -> int:
+    return CLASSES.index(name) if isinstance(name, str) else int(name)
 
 
 def _array(rows: list) -> np.ndarray:
@@ -53,17 +59,19 @@ class Frames:
             for f in sorted(d.glob("*.json")):
                 self._load(f, False)
         for f in sorted(f for d in photographs for f in d.glob("*/*.json")):
-            self._load(f, True)
+            if f.name != "labels.json":
+                self._load(f, True)
 
     def _load(self, file: pathlib.Path, photograph: bool) -> None:
         truth = json.loads(file.read_text())
         image = cv2.imread(str(file.with_suffix(".jpg")))
-        s = 1.0 if photograph else FRAME_W / image.shape[1]
+        s = min(1.0, LONGEST / max(image.shape[:2])) if photograph else FRAME_W / image.shape[1]
         if s != 1:
-            image = cv2.resize(image, (FRAME_W, FRAME_H), interpolation=cv2.INTER_AREA)
+            w, h = (round(v * s) for v in image.shape[1::-1]) if photograph else (FRAME_W, FRAME_H)
+            image = cv2.resize(image, (w, h), interpolation=cv2.INTER_AREA)
         self.images.append(image)
         for rows, out in ((truth["boxes"], self.boxes), (truth["ignore"], self.ignore)):
-            out.append(_array(rows) * np.float32([1, s, s, s, s]))
+            out.append(_array([[number(r[0]), *r[1:]] for r in rows]) * np.float32([1, s, s, s, s]))
         mask = file.with_suffix(".mask.png")
         solid = np.packbits(cv2.imread(str(mask), 0) > 127, axis=1) if mask.exists() else None
         self.solid.append(solid)

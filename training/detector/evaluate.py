@@ -15,9 +15,8 @@ import numpy as np
 
 from .boxes import area, intersections, iou
 from .classes import CLASSES
-from .data import size
+from .data import LONGEST, size
 from .label_real import frames_of, truth
-from .photographs import LONGEST
 from .networks import Found, Teachers, ours
 
 SMALLEST_PX = 10  # of the shorter side at 640 px width; smaller boxes are unknown

@@ -16,7 +16,7 @@ import torch
 
 from .boxes import area, intersections, iou
 from .classes import CLASSES
-from .data import size
+from .data import number, size
 from .graphs import GraphTeachers
 from .networks import Found
 
@@ -26,8 +26,7 @@ PERSON, PARTS = CLASSES.index("person"), (CLASSES.index("head"), CLASSES.index("
 
 def numbered(rows: list) -> np.ndarray:
     """[n, 5]: classes by name or number to numbers."""
-    n = [[CLASSES.index(r[0]) if isinstance(r[0], str) else r[0], *r[1:]] for r in rows]
-    return np.array(n, float).reshape(-1, 5)
+    return np.array([[number(r[0]), *r[1:]] for r in rows], float).reshape(-1, 5)
 
 
 def near_person(box: np.ndarray, persons: np.ndarray) -> bool:

@@ -17,9 +17,9 @@ from collections.abc import Iterator
 
 import cv2
 
+from .data import LONGEST
 from .networks import COCO
 
-LONGEST = 416
 Row = tuple[str, float, float, float, float]
 
 COCO_CLASSES = ("person", "chair", "monitor", "keyboard", "mouse", "cup", "bottle", "book", "laptop", "phone", "bag")
