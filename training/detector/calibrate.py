@@ -24,7 +24,8 @@ from .export import load
 from .model import Yolo
 from .networks import Network
 
-FLOOR, PRIOR = 0.01, 20.0  # scores that count; how hard a class is held near no change
+FLOOR, LEAST = 0.01, 0.25  # scores that count; the lowest threshold
+PRIOR = 20.0  # how hard a class is held near no change
 
 
 class Checkpoint(Network):
@@ -127,7 +128,7 @@ def summary(v: np.ndarray, pictures: list[Picture], precisions: dict[str, float]
     after, thresholds = scores(v, both), {}
     for c, name in enumerate(CLASSES):
         m, truths = v[:, 1] == c, sum(int((p.boxes[:, 0] == c).sum()) for p in pictures if c in p.classes)
-        thresholds[name] = round(threshold(after[m], v[m, 4] > 0, truths, precisions.get(name, 0.6), 0.1), 2)
+        thresholds[name] = round(threshold(after[m], v[m, 4] > 0, truths, precisions.get(name, 0.5), LEAST), 2)
     return {
         **both, "thresholds": thresholds, "boxes": len(v),
         "before": reliability(scores(v, one), v[:, 4]), "crossed": reliability(crossed, v[:, 4]),
@@ -141,7 +142,7 @@ def main() -> None:
     a("judge", type=pathlib.Path)
     a("out", type=pathlib.Path)
     a("--size", type=size, default=(416, 320))
-    a("--precision", nargs="*", default=["person=0.92", "head=0.85", "hand=0.7"], help="CLASS=LEAST at its threshold")
+    a("--precision", nargs="*", default=["person=0.8", "head=0.8", "hand=0.6"], help="CLASS=LEAST at its threshold")
     args = ap.parse_args()
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
