@@ -25,6 +25,7 @@ from .model import Yolo
 from .networks import Network
 
 FLOOR, LEAST = 0.01, 0.25  # scores that count; the lowest threshold
+FEW, UNKNOWN = 10, 0.3  # boxes of a class that say nothing yet; its threshold then
 PRIOR = 20.0  # how hard a class is held near no change
 
 
@@ -107,17 +108,15 @@ def reliability(s: np.ndarray, hit: np.ndarray) -> tuple[list[tuple[float, float
     return rows, sum(n * abs(m - h) for m, h, n in rows) / max(len(s), 1)
 
 
-def threshold(s: np.ndarray, hit: np.ndarray, truths: int, precision: float, floor: float) -> float:
-    """The score of the best F1 among those with at least this precision (of the best precision otherwise)."""
-    if truths == 0 or not hit.any():
-        return 0.5
+def threshold(s: np.ndarray, hit: np.ndarray, truths: int, precision: float) -> float:
+    """The lowest score from which on at least this share of the boxes is right: what is missed costs the
+    system more than what is doubted. Too few boxes say nothing."""
+    if truths < FEW:
+        return UNKNOWN
     order = np.argsort(-s)
-    tp = np.cumsum(hit[order])
-    p, r = tp / np.arange(1, len(s) + 1), tp / truths
-    f1 = 2 * p * r / np.maximum(p + r, 1e-9)
-    ok = p >= precision
-    best = int(np.argmax(np.where(ok, f1, -1))) if ok.any() else int(np.argmax(f1))
-    return float(np.clip(s[order][best], floor, 0.8))
+    right = np.cumsum(hit[order]) / np.arange(1, len(s) + 1)
+    good = np.flatnonzero(right >= precision)
+    return float(np.clip(s[order][good[-1]], LEAST, 0.8)) if len(good) else 0.5
 
 
 def summary(v: np.ndarray, pictures: list[Picture], precisions: dict[str, float]) -> dict:
@@ -128,7 +127,7 @@ def summary(v: np.ndarray, pictures: list[Picture], precisions: dict[str, float]
     after, thresholds = scores(v, both), {}
     for c, name in enumerate(CLASSES):
         m, truths = v[:, 1] == c, sum(int((p.boxes[:, 0] == c).sum()) for p in pictures if c in p.classes)
-        thresholds[name] = round(threshold(after[m], v[m, 4] > 0, truths, precisions.get(name, 0.5), LEAST), 2)
+        thresholds[name] = round(threshold(after[m], v[m, 4] > 0, truths, precisions.get(name, 0.5)), 2)
     return {
         **both, "thresholds": thresholds, "boxes": len(v),
         "before": reliability(scores(v, one), v[:, 4]), "crossed": reliability(crossed, v[:, 4]),
@@ -142,7 +141,7 @@ def main() -> None:
     a("judge", type=pathlib.Path)
     a("out", type=pathlib.Path)
     a("--size", type=size, default=(416, 320))
-    a("--precision", nargs="*", default=["person=0.8", "head=0.8", "hand=0.6"], help="CLASS=LEAST at its threshold")
+    a("--precision", nargs="*", default=["person=0.75", "head=0.75", "hand=0.55", "monitor=0.55"], help="CLASS=LEAST at its threshold")
     args = ap.parse_args()
     torch.set_num_threads(1)
     cv2.setNumThreads(1)

@@ -231,7 +231,7 @@ def main() -> None:
     ap = argparse.ArgumentParser(description=__doc__)
     a = ap.add_argument
     a("--run", type=pathlib.Path, required=True)
-    a("--frames", type=pathlib.Path, nargs="+", required=True)
+    a("--frames", type=pathlib.Path, nargs="*", default=[], help="folders of rendered and other frames")
     a("--photographs", type=pathlib.Path, nargs="*", default=[], help="folders of SET/NAME.jpg (detector.fill)")
     a("--start", type=pathlib.Path, help="our own network as ONNX to begin with instead of nothing")
     a("--teacher", type=pathlib.Path, help="folder of the teachers: learn the soft answers of the COCO one too")
