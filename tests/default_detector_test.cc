@@ -126,6 +126,30 @@ TEST(DefaultDetector, DoesNotHoldUpACameraThatIsQuicker) {
   }
 }
 
+TEST(DefaultDetector, SuggestsFramesToCorrectInTheFormOfTheTraining) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      plain({"detect", kSample, "--frames", kFew, "--out", folder / "boxes.jsonl", "--suggest",
+             folder / "set/room", "--suggestions", "2"},
+            folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  int pictures = 0;
+  for (const auto& entry : fs::directory_iterator(folder / "set/room")) {
+    if (entry.path().extension() != ".jpg") continue;
+    ++pictures;
+    const json labels = json::parse(read_file(fs::path(entry).replace_extension(".json")).value());
+    EXPECT_FALSE(labels.at("boxes").empty());  // people walk about in the sample
+    for (const json& box : labels.at("boxes")) {
+      ASSERT_EQ(box.size(), 5U);
+      EXPECT_TRUE(box[0].is_string());
+      EXPECT_LT(box[1], box[3]);
+      EXPECT_LT(box[2], box[4]);
+    }
+    EXPECT_TRUE(labels.at("ignore").is_array());
+  }
+  EXPECT_EQ(pictures, 2);
+}
+
 TEST(DefaultDetector, IsNamedByTheEnvironment) {
   const TemporaryFolder folder;
   const Outcome outcome = run_program({"env", "YDD_DETECTOR=nowhere.yaml", YDD_BINARY, "run",

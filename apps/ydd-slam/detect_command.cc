@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <map>
 #include <memory>
 
@@ -9,12 +10,15 @@
 #include "common/default_detector.h"
 #include "common/progress.h"
 #include "common/terminal.h"
+#include "ydd/base/files.h"
 #include "ydd/base/timing.h"
 #include "ydd/dataset/sequence.h"
 #include "ydd/detection/detector_config.h"
 #include "ydd/detection/draw.h"
 #include "ydd/detection/recorded_detections.h"
+#include "ydd/detection/suggestions.h"
 #include "ydd/image/decode.h"
+#include "ydd/image/encode.h"
 #include "ydd/sources/source.h"
 
 namespace ydd::app {
@@ -28,10 +32,12 @@ struct DetectRequest {
   std::vector<std::string> set;
   std::string out;
   std::string pictures;
+  std::string suggest;  ///< folder for frames to correct
   std::string objects;
   SequenceOptions sequence_options;
   int every = 1;
-  int frames = 0;   ///< 0: all
+  int frames = 0;  ///< 0: all
+  int suggestions = 30;
   int threads = 0;  ///< 0: as the library likes
   bool quiet = false;
 };
@@ -108,6 +114,53 @@ Result<void> make_folder(const std::string& folder) {
   return {};
 }
 
+/// The detector of the request; for suggestions it also tells what it hardly believes.
+Result<std::unique_ptr<Detector>> detector_for(const DetectRequest& request,
+                                               const ObjectCatalogue& catalogue) {
+  if (request.suggest.empty()) return make_detector(request.detector, request.set, catalogue);
+  constexpr double kLeastScore = 0.1;
+  Result<DetectorConfig> config = read_detector_config(request.detector, request.set);
+  if (!config) return config.error();
+  for (NetworkConfig& network : config->networks) {
+    network.score_threshold = std::min(network.score_threshold, kLeastScore);
+    network.class_thresholds.clear();
+  }
+  return make_detector(*config, catalogue);
+}
+
+Detections boxes_of(const RecordedFrame& frame) {
+  Detections boxes;
+  for (const RecordedDetection& d : frame.detections) boxes.push_back(d.detection);
+  return boxes;
+}
+
+/// Picture and boxes of the frames of most doubt, spread over the recording.
+Result<void> write_suggestions(const Sequence& sequence, const DetectRun& run,
+                               const DetectRequest& request) {
+  if (request.suggest.empty()) return {};
+  std::vector<double> doubts;
+  for (const RecordedFrame& frame : run.frames) doubts.push_back(doubt(boxes_of(frame)));
+  const auto count = static_cast<std::size_t>(request.suggestions);
+  const std::size_t gap = std::max<std::size_t>(1, doubts.size() / (2 * count));
+  const std::vector<std::size_t> chosen = most_doubtful(doubts, count, gap);
+  for (const std::size_t position : chosen) {
+    const RecordedFrame& frame = run.frames[position];
+    const auto index = static_cast<std::size_t>(frame.index.value_or(0));
+    const Result<RgbdFrame> picture = read_picture(sequence, index);
+    if (!picture) return picture.error();
+    const fs::path name = fs::path(request.suggest) / fmt::format("{:06}", index);
+    const fs::path file = fs::path(name).concat(".jpg");
+    constexpr int kQuality = 93;
+    if (auto written = write_jpeg(file, picture->colour, kQuality); !written) return written;
+    const std::string labels = training_labels(boxes_of(frame));
+    if (auto written = write_file_atomically(fs::path(name).concat(".json"), labels); !written) {
+      return written;
+    }
+  }
+  fmt::print("{} frames to correct in {}\n", chosen.size(), request.suggest);
+  return {};
+}
+
 void print_summary(const DetectRun& run, const DetectRequest& request) {
   const SeriesStatistics ms = statistics_of(run.detect_ms);
   fmt::print("{} frames, {:.1f} ms each (median; 95 %: {:.1f})\n", run.frames.size(), ms.median,
@@ -131,17 +184,17 @@ Result<void> detect_sequence(DetectRequest request) {
                                                 : ObjectCatalogue::load(request.objects);
   if (!catalogue) return catalogue.error();
   if (request.threads > 0) cv::setNumThreads(request.threads);
-  const auto detector = make_detector(request.detector, request.set, *catalogue);
+  const auto detector = detector_for(request, *catalogue);
   if (!detector) return detector.error();
   for (const std::string& folder :
-       {request.pictures, fs::path(request.out).parent_path().string()}) {
+       {request.pictures, request.suggest, fs::path(request.out).parent_path().string()}) {
     if (auto made = make_folder(folder); !made) return made;
   }
   const Result<DetectRun> run = detect_all(*sequence, request, **detector, *catalogue);
   if (!run) return run.error();
   if (auto r = write_recorded_detections(request.out, run->frames); !r) return r;
   print_summary(*run, request);
-  return {};
+  return write_suggestions(*sequence, *run, request);
 }
 
 }  // namespace
@@ -167,6 +220,12 @@ void add_detect_command(CLI::App& app, Job& job) {
                    "Set one option of the detector file: key=value; * is every network")
       ->allow_extra_args(false);
   command->add_option("--pictures", request->pictures, "Folder for pictures with the boxes drawn");
+  command->add_option("--suggest", request->suggest,
+                      "Folder for the frames that the networks are least sure of, with their boxes "
+                      "as training/ reads them; all boxes from a score of 0.1 on count then");
+  command->add_option("--suggestions", request->suggestions, "Frames for --suggest at most")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
   command->add_option("--objects", request->objects,
                       "Object catalogue (default: built in), for colours");
   command->add_option("--every", request->every, "Only every so many frames, for looking")

@@ -5,6 +5,7 @@ python3 -m detector.export CHECKPOINT OUT.onnx"""
 from __future__ import annotations
 
 import argparse
+import json
 import pathlib
 
 import cv2
@@ -32,6 +33,18 @@ def export(net: Yolo, out: pathlib.Path) -> None:
     )  # fmt: skip
 
 
+@torch.no_grad()
+def calibrated(net: Yolo, file: pathlib.Path) -> Yolo:
+    """Stretches and shifts objectness and class logits as detector.calibrate found, in the last convolutions."""
+    c = json.loads(file.read_text())
+    a, b = (torch.tensor(c[k]) for k in ("stretch", "shift"))
+    for head in net.heads:
+        w, bias = head.weight.view(3, 5 + net.classes, -1), head.bias.view(3, 5 + net.classes)
+        w[:, 4:] *= a[:, None]
+        bias[:, 4:] = bias[:, 4:] * a + b
+    return net
+
+
 def check(net: Yolo, out: pathlib.Path) -> float:
     """The largest difference between OpenCV's answer and PyTorch's, at two sizes."""
     dnn, worst = cv2.dnn.readNetFromONNX(str(out)), 0.0
@@ -49,8 +62,11 @@ def main() -> None:
     ap = argparse.ArgumentParser(description=__doc__)
     ap.add_argument("checkpoint", type=pathlib.Path)
     ap.add_argument("out", type=pathlib.Path)
+    ap.add_argument("--calibration", type=pathlib.Path, help="what detector.calibrate wrote")
     args = ap.parse_args()
     net = load(args.checkpoint)
+    if args.calibration:
+        net = calibrated(net, args.calibration)
     export(net, args.out)
     worst = check(net, args.out)
     print(f"{args.out}: {args.out.stat().st_size / 1e6:.2f} MB, OpenCV differs by {worst:.1e} at most")

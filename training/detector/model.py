@@ -94,7 +94,7 @@ class Yolo(nn.Module):
         self.pan3, self.pan4 = Conv(c3, c3, 3, 2), Conv(c4, c4, 3, 2)
         self.bot4, self.bot5 = C3(2 * c3, c4, n(3), False), C3(2 * c4, c5, n(3), False)
         self.heads = nn.ModuleList(nn.Conv2d(c, 3 * (5 + classes), 1) for c in (c3, c4, c5))
-        self.classes = classes
+        self.classes, self.channels = classes, (c3, c4, c5)
         self._bias()
 
     def _bias(self) -> None:
@@ -104,16 +104,22 @@ class Yolo(nn.Module):
             b[:, 4] = math.log(8 / (320 * 256 / s**2))
             b[:, 5:] = math.log(0.6 / (self.classes - 0.99))
 
-    def forward(self, x: Tensor) -> list[Tensor]:
+    def features(self, x: Tensor) -> list[Tensor]:
+        """What the heads read: c3, c4, c5 channels at strides 8, 16, 32."""
         p3 = self.down3(self.stem(x))
         p4 = self.down4(p3)
         l5 = self.lat5(self.down5(p4))
         l4 = self.lat4(self.top4(torch.cat((self.up(l5), p4), 1)))
         f3 = self.top3(torch.cat((self.up(l4), p3), 1))
         f4 = self.bot4(torch.cat((self.pan3(f3), l4), 1))
-        f5 = self.bot5(torch.cat((self.pan4(f4), l5), 1))
+        return [f3, f4, self.bot5(torch.cat((self.pan4(f4), l5), 1))]
+
+    def forward(self, x: Tensor) -> list[Tensor]:
+        return self.answers(self.features(x))
+
+    def answers(self, features: list[Tensor]) -> list[Tensor]:
         with torch.autocast("cpu", enabled=False):  # box sides need more than eight bits
-            exact = (f.float() if f.dtype != torch.float32 else f for f in (f3, f4, f5))  # no cast in an export
+            exact = (f.float() if f.dtype != torch.float32 else f for f in features)  # no cast in an export
             return [h(f) for h, f in zip(self.heads, exact)]
 
     def fuse(self) -> "Yolo":

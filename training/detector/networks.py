@@ -34,9 +34,18 @@ class Network:
     def __init__(
         self, model: pathlib.Path, kind: str, names: dict[int, str], size: tuple[int, int], nms_iou: float = 0.45
     ):
-        self.net = cv2.dnn.readNetFromONNX(str(model))
+        self.load(model)
         self.kind, self.size, self.nms_iou = kind, size, nms_iou
         self.names = {k: CLASSES.index(v) for k, v in names.items()}
+
+    def load(self, model: pathlib.Path) -> None:
+        self.net = cv2.dnn.readNetFromONNX(str(model))
+
+    def run(self, blob: np.ndarray) -> list[np.ndarray]:
+        """[1, 3, h, w] -> the heads, finest first."""
+        self.net.setInput(blob)
+        outs = self.net.forward(self.net.getUnconnectedOutLayersNames())
+        return sorted(outs, key=lambda o: -o.shape[2])
 
     def detect(self, image: np.ndarray, floor: float) -> Found:
         w, h = self.size
@@ -46,9 +55,7 @@ class Network:
         canvas = cv2.warpAffine(image, np.float32([[k, 0, dx], [0, k, dy]]), (w, h),
                                 flags=cv2.INTER_AREA if k < 0.6 else cv2.INTER_LINEAR, borderValue=(114, 114, 114))  # fmt: skip
         v5 = self.kind == "yolov5_heads"
-        self.net.setInput(cv2.dnn.blobFromImage(canvas, 1 / 255 if v5 else 1.0, swapRB=v5))
-        outs = self.net.forward(self.net.getUnconnectedOutLayersNames())
-        outs = sorted(outs, key=lambda o: -o.shape[2])
+        outs = self.run(cv2.dnn.blobFromImage(canvas, 1 / 255 if v5 else 1.0, swapRB=v5))
         decode = _yolov5 if v5 else _yolox
         rows = np.concatenate([decode(o, s, a) for o, s, a in zip(outs, STRIDES, ANCHORS)])
         found = self._select(rows, floor)
@@ -95,10 +102,12 @@ def _yolox(o: np.ndarray, s: int, _: tuple) -> np.ndarray:
 class Teachers:
     """Objects and persons of YOLOv5n (COCO), heads and hands of the body-head-hand network."""
 
+    network = Network
+
     def __init__(self, models: pathlib.Path, size: tuple[int, int] = (640, 480)):
         self.nets = [
-            Network(models / "yolov5n_coco_anysize.onnx", "yolov5_heads", COCO, size),
-            Network(models / "yolox_n_body_head_hand_anysize.onnx", "yolox_heads", BODY_HEAD_HAND, size),
+            self.network(models / "yolov5n_coco_anysize.onnx", "yolov5_heads", COCO, size),
+            self.network(models / "yolox_n_body_head_hand_anysize.onnx", "yolox_heads", BODY_HEAD_HAND, size),
         ]
 
     def detect(self, image: np.ndarray, floor: float) -> Found:

@@ -22,12 +22,15 @@ import torch.distributed as dist
 from torch import Tensor, nn
 
 from .classes import CLASSES
-from .data import Augmenter, Frames, Sample, size
+from .data import Augmenter, Frames, Sample, letterboxed, size
+from .distil import Distiller, distance, teacher
 from .fused import library
 from .loss import LossWeights, loss
 from .model import Yolo
+from .start import start_from
 
-FIELDS = ("step", "lr", "box", "objectness", "classes", "seconds", "cpu_seconds")
+FIELDS = ("step", "lr", "box", "objectness", "classes", "distilled", "seconds", "cpu_seconds")
+SHARES = {"rendered": 0.36, "photograph": 0.57, "real": 0.07}  # of the pictures drawn
 
 
 def rate(step: int, args: argparse.Namespace) -> float:
@@ -39,8 +42,9 @@ def rate(step: int, args: argparse.Namespace) -> float:
     return args.lr * (0.02 + 0.98 * 0.5 * (1 - math.cos(math.pi * left / args.decay)))
 
 
-def batch(samples: list[Sample]) -> tuple[Tensor, Tensor, Tensor]:
-    """Images [b, 3, h, w] RGB 0..1; targets image, class, cx, cy, w, h; regions image, x0, y0, x1, y1."""
+def batch(samples: list[Sample]) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    """Images [b, 3, h, w] RGB 0..1; targets image, class, cx, cy, w, h; regions image, x0, y0, x1, y1; which
+    images are real."""
     x = torch.from_numpy(np.stack([s.image[..., ::-1] for s in samples])).permute(0, 3, 1, 2).float() / 255
     targets, regions = [], []
     for i, s in enumerate(samples):
@@ -49,7 +53,7 @@ def batch(samples: list[Sample]) -> tuple[Tensor, Tensor, Tensor]:
         targets.append(np.column_stack([np.full(len(c), i), c, centre, side]))
         regions.append(np.column_stack([np.full(len(s.ignore), i), s.ignore[:, 1:]]))
     t = lambda rows: torch.from_numpy(np.concatenate(rows).astype(np.float32))
-    return x, t(targets), t(regions)
+    return x, t(targets), t(regions), torch.tensor([i for i, s in enumerate(samples) if s.real], dtype=torch.long)
 
 
 def draw(augmenters: list[Augmenter], args: argparse.Namespace, step: int, rank: int) -> list[Sample]:
@@ -60,12 +64,39 @@ def draw(augmenters: list[Augmenter], args: argparse.Namespace, step: int, rank:
     return [a.draw(rng, calm) for _ in range(round(args.batch * smallest / (a.w * a.h)))]
 
 
-def optimiser(net: nn.Module, args: argparse.Namespace) -> torch.optim.Optimizer:
+def optimiser(nets: nn.ModuleList, args: argparse.Namespace) -> torch.optim.Optimizer:
     """Weight decay for convolutions only."""
-    heavy = [p for p in net.parameters() if p.ndim > 1]
-    light = [p for p in net.parameters() if p.ndim <= 1]
+    heavy = [p for p in nets.parameters() if p.ndim > 1]
+    light = [p for p in nets.parameters() if p.ndim <= 1]
     groups = [{"params": heavy, "weight_decay": args.weight_decay}, {"params": light, "weight_decay": 0.0}]
     return torch.optim.AdamW(groups, lr=args.lr, betas=(0.9, 0.99))
+
+
+class Trainee:
+    """The network, its running average, the heads that learn from the teacher, the optimiser; or a resumed one."""
+
+    def __init__(self, args: argparse.Namespace, frames: Frames):
+        self.net = Yolo(len(CLASSES), args.width, args.depth).to(memory_format=torch.channels_last).train()
+        self.distiller = Distiller(self.net.channels) if args.teacher else None
+        self.step, last = 0, args.run / "last.pt"
+        if args.start and not last.exists():
+            start_from(self.net, args.start, views(frames, args.seed, 48))
+        self.ema = copy.deepcopy(self.net).eval()
+        self.both = nn.ModuleList([self.net, *([self.distiller] if self.distiller else [])])
+        self.optimiser = optimiser(self.both, args)
+        if last.exists():
+            state = torch.load(last, map_location="cpu")
+            self.net.load_state_dict(state["net"]), self.ema.load_state_dict(state["ema"])
+            if self.distiller:
+                self.distiller.load_state_dict(state["distiller"])
+            self.optimiser.load_state_dict(state["optimiser"])
+            self.step = state["step"]
+
+
+def views(frames: Frames, seed: int, n: int) -> Tensor:
+    """Some pictures of the training as they are, at the smallest size."""
+    chosen = np.random.default_rng(seed).choice(len(frames), min(n, len(frames)), replace=False)
+    return batch([letterboxed(frames.sample(int(k)), 320, 256) for k in chosen])[0]
 
 
 @torch.no_grad()
@@ -78,11 +109,10 @@ def average(ema: nn.Module, net: nn.Module, step: int) -> None:
             e.copy_(v)
 
 
-def save(
-    path: pathlib.Path, step: int, net: nn.Module, ema: nn.Module, opt: torch.optim.Optimizer, args: argparse.Namespace
-) -> None:
+def save(path: pathlib.Path, step: int, t: Trainee, args: argparse.Namespace) -> None:
     state = {
-        "step": step, "net": net.state_dict(), "ema": ema.state_dict(), "optimiser": opt.state_dict(),
+        "step": step, "net": t.net.state_dict(), "ema": t.ema.state_dict(), "optimiser": t.optimiser.state_dict(),
+        "distiller": t.distiller.state_dict() if t.distiller else None,
         "width": args.width, "depth": args.depth, "options": {k: str(v) for k, v in vars(args).items()},
     }  # fmt: skip
     tmp = path.with_suffix(".tmp")
@@ -99,7 +129,7 @@ def draw_curve(log: pathlib.Path, out: pathlib.Path) -> None:
     rows = list(csv.DictReader(log.open()))
     steps = [int(r["step"]) for r in rows]
     fig, ax = plt.subplots(figsize=(7, 4))
-    for name in ("box", "objectness", "classes"):
+    for name in ("box", "objectness", "classes", "distilled"):
         ax.plot(steps, [float(r[name]) for r in rows], label=name)
     ax.set(xlabel="step", ylabel="loss", yscale="log")
     ax.legend()
@@ -112,6 +142,8 @@ def share_gradients(net: nn.Module, workers: int) -> None:
     """Every worker gets the mean of all."""
     if workers == 1:
         return
+    for p in net.parameters():  # a worker without real pictures taught the other heads nothing
+        p.grad = torch.zeros_like(p) if p.grad is None else p.grad
     grads = [p.grad for p in net.parameters() if p.grad is not None]
     flat = torch.cat([g.reshape(-1) for g in grads])
     dist.all_reduce(flat)
@@ -145,43 +177,44 @@ def work(rank: int, frames: Frames, args: argparse.Namespace) -> None:
     if args.workers > 1:
         where = f"file://{(args.run / 'workers').resolve()}"
         dist.init_process_group("gloo", init_method=where, rank=rank, world_size=args.workers)
-    net = Yolo(len(CLASSES), args.width, args.depth).to(memory_format=torch.channels_last).train()
-    ema = copy.deepcopy(net).eval()
-    opt, start, last = optimiser(net, args), 0, args.run / "last.pt"
-    if last.exists():
-        state = torch.load(last, map_location="cpu")
-        net.load_state_dict(state["net"]), ema.load_state_dict(state["ema"])
-        opt.load_state_dict(state["optimiser"])
-        start = state["step"]
-    augmenters = [Augmenter(frames, *size) for size in args.sizes]
-    log = Log(args.run / "log.csv", start == 0) if rank == 0 else None
-    for step in range(start, args.steps):
-        for g in opt.param_groups:
+    t = Trainee(args, frames)
+    graph = teacher(args.teacher) if args.teacher else None
+    augmenters = [Augmenter(frames, *size, SHARES) for size in args.sizes]
+    log = Log(args.run / "log.csv", t.step == 0) if rank == 0 else None
+    for step in range(t.step, args.steps):
+        for g in t.optimiser.param_groups:
             g["lr"] = rate(step, args)
-        x, targets, regions = batch(draw(augmenters, args, step, rank))
+        x, targets, regions, real = batch(draw(augmenters, args, step, rank))
         with torch.autocast("cpu", torch.bfloat16, enabled=args.precision == "bf16"):
-            outputs = net(x)
+            features = t.net.features(x)
+            outputs = t.net.answers(features)
+            taught = graph.run(x[real]) if graph and len(real) else []
+            answers = t.distiller([f[real] for f in features]) if t.distiller and taught else []
         total, parts = loss(outputs, targets, regions, LossWeights())
-        opt.zero_grad(set_to_none=True)
-        (total / len(x)).backward()
-        share_gradients(net, args.workers)
-        nn.utils.clip_grad_norm_(net.parameters(), args.clip)
-        opt.step()
+        total = total / len(x)
+        if taught:
+            apart = distance(answers, taught, LossWeights().balance)
+            total, parts = total + args.distil * apart, (*parts, float(apart.detach()))
+        t.optimiser.zero_grad(set_to_none=True)
+        total.backward()
+        share_gradients(t.both, args.workers)
+        nn.utils.clip_grad_norm_(t.both.parameters(), args.clip)
+        t.optimiser.step()
         if log is None:
             continue
-        average(ema, net, step)
-        log.parts.append(parts)
+        average(t.ema, t.net, step)
+        log.parts.append((*parts, 0.0)[:4])
         if (step + 1) % args.every == 0 or step + 1 == args.steps:
             log.write(step + 1, rate(step, args))
-            save(last, step + 1, net, ema, opt, args)
+            save(args.run / "last.pt", step + 1, t, args)
 
 
 def train(args: argparse.Namespace) -> None:
     args.run.mkdir(parents=True, exist_ok=True)
     (args.run / "workers").unlink(missing_ok=True)
     library()
-    frames = Frames(args.frames)
-    print(f"{len(frames)} frames, {sum(frames.real)} of them real", flush=True)
+    frames = Frames(args.frames, args.photographs)
+    print(f"{len(frames)} pictures: " + ", ".join(f"{len(frames.of(k))} {k}" for k in SHARES), flush=True)
     others = [
         multiprocessing.get_context("fork").Process(target=work, args=(k, frames, args)) for k in range(1, args.workers)
     ]
@@ -198,7 +231,11 @@ def main() -> None:
     ap = argparse.ArgumentParser(description=__doc__)
     a = ap.add_argument
     a("--run", type=pathlib.Path, required=True)
-    a("--frames", type=pathlib.Path, nargs="+", required=True)
+    a("--frames", type=pathlib.Path, nargs="*", default=[], help="folders of rendered and other frames")
+    a("--photographs", type=pathlib.Path, nargs="*", default=[], help="folders of SET/NAME.jpg (detector.fill)")
+    a("--start", type=pathlib.Path, help="our own network as ONNX to begin with instead of nothing")
+    a("--teacher", type=pathlib.Path, help="folder of the teachers: learn the soft answers of the COCO one too")
+    a("--distil", type=float, default=1.0, help="weight of that")
     a("--steps", type=int, default=10000)
     a("--decay", type=int, default=5000)
     a("--warmup", type=int, default=300)
