@@ -285,7 +285,7 @@ void MatchInWindow(benchmark::State& state) {
     for (std::size_t i = 0; i < reference.size(); ++i) {
       const Eigen::Vector2f& px = reference.undistorted_px[i];
       const int octave = reference.keypoints[i].octave;
-      grid.query(seen, px.x(), px.y(), radius_px, octave - 1, octave + 1, candidates);
+      grid.query(px.x(), px.y(), radius_px, octave - 1, octave + 1, candidates);
       const BestMatch match = best_match(reference.descriptors[i], seen, candidates);
       good += match.distance <= 50 ? 1 : 0;
     }

@@ -22,6 +22,18 @@ find_file(YDD_DYGRAPHS_JS dygraph.min.js PATHS /usr/share/javascript/dygraphs NO
           REQUIRED)
 find_file(YDD_DYGRAPHS_CSS dygraph.min.css PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH
           REQUIRED)
+# What unpacks bags; without one of them the program says so when a bag needs it.
+foreach(library_header bz2:bzlib.h lz4:lz4frame.h zstd:zstd.h)
+  string(REGEX MATCH "^[^:]+" library ${library_header})
+  string(REGEX REPLACE "^[^:]+:" "" header ${library_header})
+  find_library(YDD_${library}_LIBRARY ${library})
+  find_path(YDD_${library}_INCLUDE ${header})
+  set(YDD_HAS_${library} OFF)
+  if(YDD_${library}_LIBRARY AND YDD_${library}_INCLUDE)
+    set(YDD_HAS_${library} ON)
+  endif()
+endforeach()
+message(STATUS "Bags: bz2 ${YDD_HAS_bz2}, lz4 ${YDD_HAS_lz4}, zstd ${YDD_HAS_zstd}")
 if(YDD_BUILD_SIMULATION)
   find_package(embree 3 REQUIRED)
 endif()

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "support.h"
+#include "ydd/bags/bags_testing.h"
 #include "ydd/image/decode.h"
 #include "ydd/image/jpeg_codec.h"
 #include "ydd/inference/tiny_onnx_testing.h"
@@ -13,6 +14,7 @@
 #include "ydd/map_files/map_blobs.h"
 #include "ydd/map_files/map_file.h"
 #include "ydd/map_files/map_schema.h"
+#include "ydd/messages/wire_testing.h"
 
 namespace ydd::fuzz {
 namespace {
@@ -137,6 +139,42 @@ void write_blobs(const fs::path& folder) {
   }
 }
 
+/// A picture of each kind and a camera.
+bags::WrittenMessages bag_messages(Wire wire) {
+  const std::string package = wire == Wire::ros1 ? "sensor_msgs/" : "sensor_msgs/msg/";
+  const Timestamp t{5'000'000'000};
+  const std::string rows(48, '\7');
+  return {{"/rgb/image", package + "Image", t, image_message(wire, t, 4, 4, "rgb8", 12, rows)},
+          {"/depth/image", package + "Image", t,
+           image_message(wire, t, 4, 4, "16UC1", 8, rows.substr(0, 32))},
+          {"/metres/image", package + "Image", t,
+           image_message(wire, t, 4, 2, "32FC1", 16, rows.substr(0, 32))},
+          {"/packed/compressedDepth", package + "CompressedImage", t,
+           compressed_message(wire, t, "32FC1; compressedDepth png", std::string(12, '\0') + rows)},
+          {"/rgb/camera_info", package + "CameraInfo", t,
+           camera_info_message(wire, t, 640, 480, 525, 525, 319, 239, {0.1, 0, 0, 0, 0})}};
+}
+
+void write_bags(const fs::path& root) {
+  const bags::WrittenMessages ros1 = bag_messages(Wire::ros1), cdr = bag_messages(Wire::cdr);
+  write(root / "bag_ros1/plain.bag", bags::ros1_bag(ros1, "none"));
+  write(root / "bag_ros1/lz4.bag", bags::ros1_bag(ros1, "lz4", 5));
+  write(root / "bag_mcap/plain.mcap", bags::mcap_bag(cdr, ""));
+  write(root / "bag_mcap/single.mcap", bags::mcap_bag(cdr, "no chunks"));
+  write(root / "bag_mcap/zstd.mcap", bags::mcap_bag(cdr, "zstd", "cdr", 5));
+  fs::create_directories(root / "bag_sqlite");
+  fs::remove(root / "bag_sqlite/small.db3");
+  bags::write_sqlite_bag(root / "bag_sqlite/small.db3", cdr);
+  for (const auto& [messages, wire] : {std::pair{&ros1, 0}, {&cdr, 0x81}}) {
+    for (const bags::WrittenMessage& m : *messages) {
+      const int kind = m.type.ends_with("CompressedImage") ? 1 : m.type.ends_with("Info") ? 2 : 0;
+      const int choice = wire == 0 ? kind : 0x81 + kind;  // 0x81 % 3 == 0
+      write(root / "ros_messages" / (std::to_string(choice) + m.topic.substr(1, 3)),
+            as_number(static_cast<std::size_t>(choice), 1) + m.bytes);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ydd::fuzz
 
@@ -150,5 +188,6 @@ int main(int argc, char** argv) {
   ydd::fuzz::write_pictures(root);
   ydd::fuzz::write_maps(root);
   ydd::fuzz::write_blobs(root / "map_blobs");
+  ydd::fuzz::write_bags(root);
   return 0;
 }

@@ -23,13 +23,17 @@ struct Target {
 
 void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
 
-constexpr Target kTargets[] = {{"camera", camera},
+constexpr Target kTargets[] = {{"bag_mcap", bag_mcap},
+                               {"bag_ros1", bag_ros1},
+                               {"bag_sqlite", bag_sqlite},
+                               {"camera", camera},
                                {"class_table", class_table},
                                {"detections", detections},
                                {"detector", detector},
                                {"http", http},
                                {"jpeg", jpeg},
                                {"json", json},
+                               {"layouts", layouts},
                                {"live_text", live_text},
                                {"map_blobs", map_blobs},
                                {"map_file", map_file},
@@ -39,6 +43,9 @@ constexpr Target kTargets[] = {{"camera", camera},
                                {"options", options},
                                {"png", png},
                                {"png_pixels", png_pixels},
+                               {"ros_messages", ros_messages},
+                               {"sens", sens},
+                               {"sensor_image", sensor_image},
                                {"sequence", sequence},
                                {"trajectory", trajectory},
                                {"yaml", yaml}};

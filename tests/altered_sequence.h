@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ydd/dataset/tum_sequence.h"
+#include "ydd/sources/source.h"
 
 namespace ydd::e2e {
 
@@ -15,7 +15,7 @@ namespace ydd::e2e {
 template <class Alter>
 void make_altered(const std::filesystem::path& from, const std::filesystem::path& to, Alter alter) {
   namespace fs = std::filesystem;
-  const Result<Sequence> sequence = Sequence::open(from);
+  const Result<Sequence> sequence = open_sequence(from);
   ASSERT_TRUE(sequence.ok()) << sequence.error().message;
   fs::create_directories(to);
   for (const char* const name : {"camera.yaml", "groundtruth.txt"}) {
@@ -26,9 +26,9 @@ void make_altered(const std::filesystem::path& from, const std::filesystem::path
   for (std::size_t i = 0; i < sequence->size(); ++i) {
     SequenceEntry entry = sequence->entry(i);
     alter(i, entry);
-    colour << format_timestamp(entry.stamp) << " " << fs::absolute(entry.colour_file).string()
+    colour << format_timestamp(entry.stamp) << " " << fs::absolute(entry.colour_name).string()
            << "\n";
-    depth << format_timestamp(entry.depth_stamp) << " " << fs::absolute(entry.depth_file).string()
+    depth << format_timestamp(entry.depth_stamp) << " " << fs::absolute(entry.depth_name).string()
           << "\n";
   }
 }

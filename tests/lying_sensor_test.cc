@@ -56,21 +56,21 @@ void write_turned(const fs::path& file, const ColourImage& upright) {
 
 /// The sequence again, with a fault in the stretch: lists that name other files.
 void make_faulty(const fs::path& from, const fs::path& to, Fault fault, const Stretch& stretch) {
-  const Result<Sequence> sequence = Sequence::open(from);
+  const Result<Sequence> sequence = open_sequence(from);
   ASSERT_TRUE(sequence.ok()) << sequence.error().message;
   make_altered(from, to, [&](std::size_t i, SequenceEntry& entry) {
     if (!stretch.holds(i)) return;
     const fs::path made = to / fmt::format("{}.png", i);
     if (fault == Fault::frozen) {
-      entry.depth_file = sequence->entry(stretch.first).depth_file;
+      entry.depth_name = sequence->entry(stretch.first).depth_name;
     } else if (fault == Fault::late) {
-      entry.depth_file = sequence->entry(i - kLateFrames).depth_file;
+      entry.depth_name = sequence->entry(i - kLateFrames).depth_name;
     } else if (fault == Fault::turned) {
-      write_turned(made, load_colour(entry.colour_file).value());
-      entry.colour_file = made;
+      write_turned(made, load_colour(entry.colour_name).value());
+      entry.colour_name = made;
     } else {
-      write_depth(made, load_raw_depth(entry.depth_file).value(), fault, static_cast<unsigned>(i));
-      entry.depth_file = made;
+      write_depth(made, load_raw_depth(entry.depth_name).value(), fault, static_cast<unsigned>(i));
+      entry.depth_name = made;
     }
   });
 }

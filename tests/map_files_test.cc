@@ -19,9 +19,9 @@
 #include "small_world.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/dataset/trajectory.h"
-#include "ydd/dataset/tum_sequence.h"
 #include "ydd/evaluation/ate.h"
 #include "ydd/image/decode.h"
+#include "ydd/sources/source.h"
 
 namespace ydd::e2e {
 namespace {
@@ -142,7 +142,7 @@ struct EmptyRoom {
 
   explicit EmptyRoom(const fs::path& sequence)
       : camera(find_camera(sequence.string(), "").value()) {
-    const Sequence frames = Sequence::open(sequence).value();
+    const Sequence frames = open_sequence(sequence).value();
     const StampedPoses truth = read_tum_trajectory(sequence / "groundtruth.txt").value();
     for (std::size_t i = 0; i < frames.size(); i += 6) {
       depth_m.push_back(frames.read(i, camera).value().depth_m);
@@ -231,6 +231,32 @@ TEST(Maps, AreExported) {
   EXPECT_LT(fs::file_size(folder / "b.map"), fs::file_size(folder / "a.map"));
 }
 
+TEST(Maps, TheFloorIsExportedForARobot) {
+  const TemporaryFolder folder;
+  run(room(), folder / "a", {"--deterministic", "--save-map", folder / "a.map"});
+  const Arguments wanted = {"map", "export", folder / "a.map", "--grid", folder / "floor.pgm"};
+  const Outcome exported = ydd_slam(wanted);
+  ASSERT_EQ(exported.exit_code, 0) << exported.err;
+  const std::string pgm = bytes_of(folder / "floor.pgm");
+  EXPECT_THAT(pgm, testing::StartsWith("P5\n"));
+  EXPECT_GT(std::count(pgm.begin(), pgm.end(), '\0'), 50) << "occupied";
+  EXPECT_GT(std::count(pgm.begin(), pgm.end(), '\xFE'), 200) << "free";
+  const std::string yaml = bytes_of(folder / "floor.yaml");
+  EXPECT_THAT(yaml, HasSubstr("image: 'floor.pgm'"));
+  EXPECT_THAT(yaml, HasSubstr("occupied_thresh: 0.65"));
+  ASSERT_EQ(ydd_slam(wanted).exit_code, 0);
+  EXPECT_TRUE(bytes_of(folder / "floor.pgm") == pgm);
+  const Outcome nowhere =
+      ydd_slam({"map", "export", folder / "a.map", "--grid", folder / "none/floor.pgm"});
+  EXPECT_EQ(nowhere.exit_code, 1);
+  ASSERT_EQ(nowhere.error_lines().size(), 1U) << nowhere.err;
+  const Outcome fine = ydd_slam({"map", "export", folder / "a.map", "--grid", folder / "f.pgm",
+                                 "--max-depth", "100", "--grid-resolution", "0.005"});
+  EXPECT_EQ(fine.exit_code, 1);
+  EXPECT_THAT(fine.err, HasSubstr("choose larger cells"));
+  EXPECT_FALSE(fs::exists(folder / "f.pgm"));
+}
+
 // --- what goes wrong --------------------------------------------------------------------------
 
 TEST(Maps, WhatIsNoMapIsOneClearLineAndStays) {
@@ -272,6 +298,10 @@ TEST(Maps, WrongCallsAreUsageErrors) {
                 .exit_code,
             2);
   EXPECT_EQ(ydd_slam({"map", "export", "a.map"}).exit_code, 2);
+  EXPECT_EQ(ydd_slam({"map", "export", "a.map", "--grid", "a.png"}).exit_code, 2);
+  EXPECT_EQ(ydd_slam({"map", "export", "a.map", "--min-height", "1"}).exit_code, 2);
+  EXPECT_EQ(ydd_slam({"map", "export", "a.map", "--grid", "a.pgm", "--min-height", "2"}).exit_code,
+            2);
   EXPECT_EQ(ydd_slam({"map"}).exit_code, 2);
 }
 

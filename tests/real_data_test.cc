@@ -10,8 +10,8 @@
 
 #include "command_line.h"
 #include "ydd/dataset/trajectory.h"
-#include "ydd/dataset/tum_sequence.h"
 #include "ydd/evaluation/ate.h"
+#include "ydd/sources/source.h"
 
 namespace ydd::e2e {
 namespace {
@@ -36,7 +36,7 @@ double ate_m(const fs::path& sequence, std::vector<std::string> options) {
     ADD_FAILURE() << "no trajectory";
     return std::nan("");  // neither above nor below anything
   }
-  const std::size_t frames = Sequence::open(sequence).value().size();
+  const std::size_t frames = open_sequence(sequence).value().size();
   EXPECT_GT(estimate->size(), frames / 2);
   const auto ate = absolute_trajectory_error(*truth, *estimate);
   if (!ate) ADD_FAILURE() << ate.error().message;

@@ -91,10 +91,10 @@ TEST(Run, TwoDeterministicRunsGiveTheSameBytes) {
 TEST(Run, LeavesAFolderThatTellsEverything) {
   const TemporaryFolder folder;
   run(few_frames(), folder / "a", {"--deterministic", "--seed", "5"});
-  EXPECT_THAT(
-      names_in(folder / "a"),
-      testing::UnorderedElementsAre("trajectory.tum", "keyframes.tum", "summary.json",
-                                    "config.yaml", "timings.json", "frames.json", "report.html"));
+  EXPECT_THAT(names_in(folder / "a"),
+              testing::UnorderedElementsAre("trajectory.tum", "keyframes.tum", "summary.json",
+                                            "config.yaml", "timings.json", "frames.json",
+                                            "tracks.jsonl", "report.html"));
   const json summary = json_of(folder / "a/summary.json");
   for (const char* const key : {"version",
                                 "sequence",

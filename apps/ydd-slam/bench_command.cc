@@ -7,6 +7,7 @@
 #include "bench/bench_seeds.h"
 #include "commands.h"
 #include "common/scratch_folder.h"
+#include "ydd/studies/accidents.h"
 
 namespace ydd::app {
 namespace {
@@ -30,7 +31,7 @@ void add_bench(CLI::App& parent, Job& job, const std::string& name, const std::s
   auto request = std::make_shared<BenchRequest>();
   request->boxes_needed = boxes_needed;
   auto* command = parent.add_subcommand(name, what);
-  command->add_option("sequences", request->sequences, "Folders in the TUM RGB-D layout");
+  command->add_option("sequences", request->sequences, "Recordings (run --help lists their kinds)");
   command->add_option("--simulated", request->simulated, "Also so many simulated busy rooms");
   command->add_option("--simulated-frames", request->simulated_frames, "Length of these");
   command->add_option("--detector", request->detector,
@@ -71,6 +72,11 @@ void add_seed_bench(CLI::App& parent, Job& job, const std::string& name, const s
   command->add_option("--seeds", request->seeds, "How many worlds")->check(CLI::Range(1, 10000));
   command->add_option("--first-seed", request->first_seed, "Seed of the first")
       ->check(CLI::Range(0, 1000000));
+  if (bench == &bench_recovery) {
+    const auto names = choices_of(Senses{});
+    command->add_option("--senses", request->senses, "Of motion, besides the camera")
+        ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
+  }
   command->add_option("--only", request->only, "Worlds or accidents with this in their name");
   command->add_option("--width", request->width_px, "Width of the pictures in px, 4:3")
       ->check(CLI::Range(160, 1280));
@@ -120,6 +126,9 @@ void add_bench_command(CLI::App& app, Job& job) {
                  &bench_recovery);
   add_seed_bench(*command, job, "motion",
                  "Worlds of points: how soon movers are found, and false alarms", &bench_motion);
+  add_seed_bench(*command, job, "tracks",
+                 "Simulated people: how well their tracks tell where they are and go",
+                 &bench_tracks);
   add_seed_bench(*command, job, "walk", "One long simulated walk: time, memory and map size",
                  &bench_walk);
 }

@@ -12,13 +12,14 @@
 #include "common/terminal.h"
 #include "ydd/base/files.h"
 #include "ydd/base/timing.h"
-#include "ydd/dataset/tum_sequence.h"
+#include "ydd/dataset/sequence.h"
 #include "ydd/detection/detector_config.h"
 #include "ydd/detection/draw.h"
 #include "ydd/detection/recorded_detections.h"
 #include "ydd/detection/suggestions.h"
 #include "ydd/image/decode.h"
 #include "ydd/image/encode.h"
+#include "ydd/sources/source.h"
 
 namespace ydd::app {
 namespace {
@@ -50,12 +51,11 @@ struct DetectRun {
 
 /// The colour picture alone: networks look at nothing else, and no camera is needed for it.
 Result<RgbdFrame> read_picture(const Sequence& sequence, std::size_t index) {
-  const SequenceEntry& entry = sequence.entry(index);
-  Result<ColourImage> colour = load_colour(entry.colour_file);
+  Result<ColourImage> colour = sequence.read_colour(index);
   if (!colour) return colour.error();
   RgbdFrame frame;
   frame.index = static_cast<std::int64_t>(index);
-  frame.stamp = entry.stamp;
+  frame.stamp = sequence.entry(index).stamp;
   frame.colour = *colour;
   return frame;
 }
@@ -101,7 +101,7 @@ Result<DetectRun> detect_all(const Sequence& sequence, const DetectRequest& requ
     progress.update(i + 1,
                     fmt::format("{} objects  {:.0f} ms", found->size(), run.detect_ms.back()));
     run.frames.push_back(record(
-        *frame, fs::relative(sequence.entry(i).colour_file, sequence.folder()), std::move(*found)));
+        *frame, fs::relative(sequence.entry(i).colour_name, sequence.place()), std::move(*found)));
   }
   return run;
 }
@@ -177,7 +177,7 @@ Result<void> detect_sequence(DetectRequest request) {
     request.detector = *std::move(detector);
   }
   if (request.detector == kNoDetector) return Error{"detect needs a detector: --detector FILE"};
-  const Result<Sequence> sequence = Sequence::open(request.sequence, request.sequence_options);
+  const Result<Sequence> sequence = open_sequence(request.sequence, request.sequence_options);
   if (!sequence) return sequence.error();
   const Result<ObjectCatalogue> catalogue = request.objects.empty()
                                                 ? ObjectCatalogue::defaults()
@@ -203,7 +203,14 @@ void add_detect_command(CLI::App& app, Job& job) {
   auto request = std::make_shared<DetectRequest>();
   auto* command =
       app.add_subcommand("detect", "Write the objects that networks see, to be replayed");
-  command->add_option("sequence", request->sequence, "Folder in the TUM RGB-D layout")->required();
+  command->add_option("sequence", request->sequence, "Recording: a folder or file")->required();
+  command
+      ->add_option("--source", request->sequence_options.source,
+                   "What the recording is (default: as it looks; run --help lists them)")
+      ->check(CLI::IsMember(source_names()));
+  command->add_option("--topic-colour,--topic-color", request->sequence_options.topic_colour,
+                      "Topic of a bag (default: told by encodings and names)");
+  command->add_option("--topic-depth", request->sequence_options.topic_depth, "The same of depth");
   command->add_option("--detector", request->detector,
                       "Detector file (configs/detector/*.yaml; default: YDD_DETECTOR, else the "
                       "network of the program)");

@@ -17,6 +17,34 @@ void add_info(CLI::App& parent, Job& job) {
   command->callback([request, &job] { job = [request] { return map_info(*request); }; });
 }
 
+void add_grid_options(CLI::App& command, MapExportRequest& request) {
+  CLI::Option* grid =
+      command
+          .add_option("--grid", request.grid,
+                      "PGM file for the floor as a robot needs it (map_server); its YAML is "
+                      "written beside it")
+          ->check(CLI::Validator(
+              [](const std::string& name) {
+                return name.ends_with(".pgm") ? std::string() : std::string("must end in .pgm");
+              },
+              "FILE.pgm"));
+  GridOptions& options = request.grid_options;
+  command.add_option("--grid-resolution", options.resolution_m, "Edge of a cell, metres")
+      ->check(CLI::Range(0.005, 10.0))
+      ->needs(grid)
+      ->capture_default_str();
+  command
+      .add_option("--min-height", options.min_height_m,
+                  "What is lower above the floor is no obstacle, metres")
+      ->check(CLI::Range(0.01, 10.0))
+      ->needs(grid)
+      ->capture_default_str();
+  command.add_option("--max-height", options.max_height_m, "What is higher is none either, metres")
+      ->check(CLI::Range(0.02, 20.0))
+      ->needs(grid)
+      ->capture_default_str();
+}
+
 void add_export(CLI::App& parent, Job& job) {
   auto request = std::make_shared<MapExportRequest>();
   auto* command = parent.add_subcommand("export", "Clouds and poses out of a map file");
@@ -40,12 +68,16 @@ void add_export(CLI::App& parent, Job& job) {
                    "Edge of its smallest cubes, metres")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();
+  add_grid_options(*command, *request);
   command->add_option("--which", request->which,
                       "Number of the map, when the file holds several (default: the largest)");
   command->callback([request, &job] {
     if (request->sparse.empty() && request->dense.empty() && request->keyframes.empty() &&
-        request->octomap.empty()) {
-      throw CLI::RequiredError("One of --sparse, --dense, --keyframes, --octomap");
+        request->octomap.empty() && request->grid.empty()) {
+      throw CLI::RequiredError("One of --sparse, --dense, --keyframes, --octomap, --grid");
+    }
+    if (request->grid_options.min_height_m >= request->grid_options.max_height_m) {
+      throw CLI::ValidationError("--min-height", "must be less than --max-height");
     }
     job = [request] { return map_export(*request); };
   });
@@ -77,6 +109,7 @@ void add_map_command(CLI::App& app, Job& job) {
       "  ydd-slam map export office.map --dense office.ply --voxel 0.02\n"
       "  ydd-slam map export office.map --sparse points.ply --keyframes keyframes.tum\n"
       "  ydd-slam map export office.map --octomap office.bt\n"
+      "  ydd-slam map export office.map --grid office.pgm --max-height 1.2\n"
       "  ydd-slam map merge office.map corridor.map --out floor.map\n"
       "docs/maps.md tells the rest.");
   add_info(*command, job);

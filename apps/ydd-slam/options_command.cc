@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "commands.h"
-#include "ydd/dataset/tum_sequence.h"
+#include "ydd/dataset/sequence.h"
 #include "ydd/system/system_options.h"
 
 namespace ydd::app {

@@ -7,12 +7,20 @@
 #include "common/terminal.h"
 #include "run/run_job.h"
 #include "ydd/base/log.h"
+#include "ydd/sources/source.h"
 
 namespace ydd::app {
 namespace {
 
 void add_input_options(CLI::App& command, RunRequest& request) {
-  command.add_option("sequence", request.sequence, "Folder in the TUM RGB-D layout")->required();
+  command.add_option("sequence", request.sequence, "Recording: a folder or file; see below")
+      ->required();
+  command.add_option("--source", request.source, "What the recording is (default: as it looks)")
+      ->check(CLI::IsMember(source_names()));
+  command.add_option("--topic-colour,--topic-color", request.topic_colour,
+                     "Topic of a bag (default: told by encodings and names)");
+  command.add_option("--topic-depth", request.topic_depth, "The same of depth");
+  command.add_option("--topic-camera-info", request.topic_camera_info, "The same of the camera");
   command.add_option("--camera", request.camera,
                      "Camera file (our own, ORB-SLAM, stella_vslam, ROS, OpenCV, ...) or preset");
   command.add_option("--associations", request.associations,
@@ -26,6 +34,10 @@ void add_input_options(CLI::App& command, RunRequest& request) {
       ->check(CLI::Range(0, 1000000000));
   command.add_option("--max-frames", request.max_frames, "Stop after so many frames (0: all)")
       ->check(CLI::Range(0, 1000000000));
+  command.add_option("--imu", request.imu,
+                     "What an IMU said: file of stamp, rad/s, m/s^2 (EuRoC CSV); see reckoning.*");
+  command.add_option("--odometry", request.odometry,
+                     "Odometry of a robot: trajectory file of its base; see reckoning.*");
   command.add_flag("--strict", request.strict, "A frame that cannot be read ends the run");
   command.add_flag("--realtime", request.realtime, "Keep the camera's pace, drop what is late");
 }
@@ -165,6 +177,7 @@ void add_run_command(CLI::App& app, Job& job) {
   add_view_options(*command, request->view);
   add_serve_options(*command, *request);
   command->footer(
+      "Recordings (--source NAME):\n" + source_table() +
       "Examples:\n"
       "  ydd-slam run rgbd_dataset_freiburg1_xyz\n"
       "  ydd-slam run my_recording --camera my_camera.yaml --out results\n"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support.h"
 #include "targets.h"
-#include "ydd/dataset/tum_sequence.h"
+#include "ydd/sources/source.h"
 
 namespace ydd::fuzz {
 
@@ -15,7 +15,7 @@ void sequence(std::string_view input) {
   if (!pieces.done()) {
     options.associations = folder.write("associations.txt", pieces.text(input.size()));
   }
-  const Result<Sequence> sequence = Sequence::open(folder.path(), options);
+  const Result<Sequence> sequence = open_sequence(folder.path(), options);
   expect_one_line(sequence);
   if (!sequence) return;
   for (std::size_t i = 1; i < sequence->size(); ++i) {

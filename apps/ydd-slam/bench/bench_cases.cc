@@ -10,6 +10,7 @@
 #include "ydd/detection/recorded_detections.h"
 #include "ydd/simulation/simulator.h"
 #include "ydd/simulation/tum_writer.h"
+#include "ydd/sources/source.h"
 
 namespace ydd::app {
 namespace {
@@ -32,9 +33,9 @@ Result<fs::path> record(const BenchRequest& request, const fs::path& folder, con
   Result<std::unique_ptr<Detector>> detector =
       make_detector(request.detector, request.detector_set);
   if (!detector) return detector.error();
-  Result<Sequence> sequence = Sequence::open(folder);
+  Result<Sequence> sequence = open_sequence(folder);
   if (!sequence) return sequence.error();
-  Result<Camera> camera = find_camera(folder);
+  Result<Camera> camera = find_camera(sequence->recording());
   if (!camera) return camera.error();
   log::info("{}: detecting", sequence->name());
   std::vector<RecordedFrame> frames;

@@ -17,9 +17,10 @@ struct SeedRequest {
   int first_seed = 101;
   int width_px = 320;  ///< 4:3
   double fps = 10;
-  double minutes = 30;  ///< of the walk
-  std::string only;     ///< worlds or accidents whose name has this in it; empty: all
-  std::string out;      ///< JSON file; empty: none
+  double minutes = 30;          ///< of the walk
+  std::string only;             ///< worlds or accidents whose name has this in it; empty: all
+  std::string senses = "none";  ///< of motion, besides the camera (recovery)
+  std::string out;              ///< JSON file; empty: none
   std::vector<std::string> set;
 };
 
@@ -45,5 +46,8 @@ Result<std::string> bench_walk(const SeedRequest& request);
 /// How soon a mover is found by what the last frames show, over its speed and distance, and how
 /// often something in a rigid room is taken for one.
 Result<std::string> bench_motion(const SeedRequest& request);
+
+/// People in the map's frame against the truth: place, velocity, mistaken identities.
+Result<std::string> bench_tracks(const SeedRequest& request);
 
 }  // namespace ydd::app

@@ -11,6 +11,7 @@
 #include "ydd/base/log.h"
 #include "ydd/base/timing.h"
 #include "ydd/dataset/camera_file.h"
+#include "ydd/sources/source.h"
 
 namespace ydd::app {
 namespace {
@@ -172,7 +173,9 @@ struct Tables {
 
 Result<void> measure(const BenchCase& bench_case, const BenchRequest& request, bool realtime,
                      const fs::path& scratch, Tables& tables, Json& json) {
-  const Result<Camera> camera = find_camera(bench_case.folder);
+  const Result<Recording> recording = open_recording(bench_case.folder);
+  if (!recording) return recording.error();
+  const Result<Camera> camera = find_camera(*recording);
   if (!camera) return camera.error();
   const char* pace = realtime ? "real time" : "flat out";
   const std::string name = fmt::format("{}, {}", bench_case.name, pace);

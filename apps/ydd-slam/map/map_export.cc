@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -50,6 +51,25 @@ Result<void> export_dense(const Atlas& atlas, MapId map, const MapExportRequest&
   return write_file_atomically(request.dense, format_ply(*cloud));
 }
 
+/// The picture first: a YAML without it would be half of a map.
+Result<void> export_grid(const Atlas& atlas, MapId map, const MapExportRequest& request) {
+  GridOptions options = request.grid_options;
+  options.cloud = request.cloud;
+  const Result<FloorPlane> floor = floor_of_map(atlas, map, options.cloud);
+  if (!floor) return Error{fmt::format("{}: {}", request.file, floor.error().message)};
+  if (!floor->found) {
+    log::warning("{}: no floor was seen; the lowest points are taken for it", request.file);
+  }
+  const Result<OccupancyGrid> grid = occupancy_grid(atlas, map, level_frame(*floor), options);
+  if (!grid) return Error{fmt::format("{}: {}", request.file, grid.error().message)};
+  if (grid->empty()) return Error{fmt::format("{}: its pictures show nothing near", request.file)};
+  if (auto r = write_file_atomically(request.grid, format_pgm(*grid)); !r) return r;
+  const std::filesystem::path picture = request.grid;
+  std::filesystem::path yaml = picture;
+  yaml.replace_extension(".yaml");
+  return write_file_atomically(yaml, format_map_yaml(*grid, picture.filename().string()));
+}
+
 /// Options of back end and loops as `run` would have them.
 Result<SystemOptions> merge_options(const MapMergeRequest& request) {
   SystemOptions options;
@@ -71,7 +91,8 @@ Result<void> map_export(const MapExportRequest& request) {
   if (!atlas) return atlas.error();
   const Result<MapInfo> chosen = choose(*atlas, request);
   if (!chosen) return chosen.error();
-  const bool needs_pictures = !request.dense.empty() || !request.octomap.empty();
+  const bool needs_pictures =
+      !request.dense.empty() || !request.octomap.empty() || !request.grid.empty();
   if (needs_pictures && chosen->pictures == 0) {
     return Error{fmt::format("{}: its keyframes keep no pictures; record with map.pictures=true",
                              request.file)};
@@ -95,6 +116,7 @@ Result<void> map_export(const MapExportRequest& request) {
   if (done) {
     done = write(request.octomap, [&] { return export_octomap(*atlas, chosen->map, request); });
   }
+  if (done) done = write(request.grid, [&] { return export_grid(*atlas, chosen->map, request); });
   return done;
 }
 

@@ -6,6 +6,7 @@
 
 #include "ydd/base/result.h"
 #include "ydd/cloud/dense_cloud.h"
+#include "ydd/cloud/occupancy_grid.h"
 
 namespace ydd::app {
 
@@ -17,6 +18,8 @@ struct MapInfoRequest {
 struct MapExportRequest {
   std::string file;
   std::string sparse, dense, keyframes, octomap;  ///< files to write; empty: not wanted
+  std::string grid;                               ///< .pgm; its YAML is written beside it
+  GridOptions grid_options;
   DenseCloudOptions cloud;
   double octomap_resolution_m = 0.05;
   int which = -1;  ///< negative: the map with most keyframes

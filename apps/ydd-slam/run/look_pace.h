@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "ydd/dataset/tum_sequence.h"
+#include "ydd/dataset/sequence.h"
 #include "ydd/detection/detector.h"
 #include "ydd/system/detector_runner.h"
 

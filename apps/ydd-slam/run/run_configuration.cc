@@ -8,9 +8,11 @@
 #include "common/default_detector.h"
 #include "ydd/base/log.h"
 #include "ydd/dataset/camera_file.h"
+#include "ydd/dataset/motion_files.h"
 #include "ydd/detection/detector_config.h"
 #include "ydd/detection/person_check.h"
 #include "ydd/detection/recorded_detections.h"
+#include "ydd/sources/source.h"
 
 namespace ydd::app {
 
@@ -27,19 +29,17 @@ std::string Configuration::to_yaml() const {
   return table.to_yaml();
 }
 
-Result<Configuration> effective_configuration(const RunRequest& request) {
-  Result<Camera> camera = find_camera(request.sequence, request.camera);
-  if (!camera) {  // a folder that is no sequence has no camera either: that is then the reason
-    const Result<Sequence> sequence = Sequence::open(request.sequence);
-    return sequence ? camera.error() : sequence.error();
-  }
-  Configuration out{{}, *camera, {}};
+namespace {
+
+/// `camera`: the default one.
+Result<Configuration> configuration_with(const RunRequest& request, const Camera& camera) {
+  Configuration out{{}, camera, {}};
   OptionTable table;
   out.describe(table);
   if (!request.config.empty()) {
     if (auto r = table.load_yaml(request.config); !r) return r.error();
   }
-  if (!request.camera.empty()) out.camera = *camera;
+  if (!request.camera.empty()) out.camera = camera;
   for (const std::string& assignment : request.set) {
     if (auto r = table.set_assignment(assignment, "--set"); !r) return r.error();
   }
@@ -49,6 +49,10 @@ Result<Configuration> effective_configuration(const RunRequest& request) {
       return r.error();
     }
   }
+  if (request.source) out.sequence.source = *request.source;
+  if (request.topic_colour) out.sequence.topic_colour = *request.topic_colour;
+  if (request.topic_depth) out.sequence.topic_depth = *request.topic_depth;
+  if (request.topic_camera_info) out.sequence.topic_camera_info = *request.topic_camera_info;
   if (request.depth_offset) out.sequence.depth_offset = *request.depth_offset;
   if (request.first_frame) out.sequence.first_frame = *request.first_frame;
   if (request.max_frames) out.sequence.max_frames = *request.max_frames;
@@ -66,7 +70,38 @@ Result<Configuration> effective_configuration(const RunRequest& request) {
     out.options.tracking.relocalization.seed = request.seed;
     out.options.loop.match.seed = request.seed;
   }
+  if (auto r = check(out.options.reckoning); !r) return r.error();
   return out;
+}
+
+}  // namespace
+
+Result<ConfiguredRecording> effective_configuration(const RunRequest& request) {
+  // The recording tells the default camera, and the options tell how to read the recording.
+  Result<Configuration> first = configuration_with(request, Camera());
+  if (!first) return first.error();
+  Result<Recording> recording = open_recording(request.sequence, first->sequence);
+  if (!recording) return recording.error();
+  const Result<Camera> camera = find_camera(*recording, request.camera);
+  if (!camera) return camera.error();
+  Result<Configuration> configuration = configuration_with(request, *camera);
+  if (!configuration) return configuration.error();
+  return ConfiguredRecording{*std::move(configuration), *std::move(recording)};
+}
+
+Result<MotionSamples> run_motion(const RunRequest& request) {
+  MotionSamples samples;
+  if (!request.imu.empty()) {
+    auto imu = read_imu_file(request.imu);
+    if (!imu) return imu.error();
+    samples.imu = *std::move(imu);
+  }
+  if (!request.odometry.empty()) {
+    auto odometry = read_odometry_file(request.odometry);
+    if (!odometry) return odometry.error();
+    samples.odometry = *std::move(odometry);
+  }
+  return samples;
 }
 
 Result<ObjectCatalogue> run_catalogue(const RunRequest& request) {

@@ -24,7 +24,14 @@ struct Configuration {
 
 /// Command line > file > default. The camera's default is that of the sequence; a saved
 /// configuration has a camera too, so that it repeats its run wherever it is fed back.
-Result<Configuration> effective_configuration(const RunRequest& request);
+struct ConfiguredRecording {
+  Configuration configuration;
+  Recording recording;
+};
+Result<ConfiguredRecording> effective_configuration(const RunRequest& request);
+
+/// What the sensors of motion said that the command line names.
+Result<MotionSamples> run_motion(const RunRequest& request);
 
 Result<ObjectCatalogue> run_catalogue(const RunRequest& request);
 

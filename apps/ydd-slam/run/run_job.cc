@@ -28,6 +28,7 @@ struct Inputs {
   ObjectCatalogue catalogue;
   std::unique_ptr<Detector> detector;  ///< null: none
   std::optional<Atlas> map;
+  MotionSamples motion;
 };
 
 /// Images without a partner are reported: they are not part of the run.
@@ -40,16 +41,18 @@ void tell_pairing(const Sequence& sequence, const SequenceOptions& options) {
     log::info("depth offset found in the pictures: {:.4f} s", pairing->depth_offset_s);
   }
   const std::string warning = pairing_warning(*pairing, options.max_difference_s);
-  if (!warning.empty()) log::warning("{}: {}", sequence.folder().string(), warning);
+  if (!warning.empty()) log::warning("{}: {}", sequence.place().string(), warning);
 }
 
 Result<Inputs> open_inputs(const RunRequest& asked) {
   if (auto r = check_watchers(asked); !r) return r.error();
-  Result<Configuration> configuration = effective_configuration(asked);
-  if (!configuration) return configuration.error();
-  Result<Sequence> sequence = Sequence::open(asked.sequence, configuration->sequence);
+  Result<ConfiguredRecording> configured = effective_configuration(asked);
+  if (!configured) return configured.error();
+  Configuration& configuration = configured->configuration;
+  Result<Sequence> sequence =
+      Sequence::of(std::move(configured->recording), configuration.sequence);
   if (!sequence) return sequence.error();
-  Result<RunRequest> request = with_detector(asked, configuration->options.dynamics.variant);
+  Result<RunRequest> request = with_detector(asked, configuration.options.dynamics.variant);
   if (!request) return request.error();
   Result<ObjectCatalogue> catalogue = run_catalogue(*request);
   if (!catalogue) return catalogue.error();
@@ -60,10 +63,13 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
     return Error{detector.error().message + " (" + default_detector_origin() + ")"};
   }
   Result<std::optional<Atlas>> map =
-      open_run_map(*request, configuration->camera, configuration->options);
+      open_run_map(*request, configuration.camera, configuration.options);
   if (!map) return map.error();
-  return Inputs{*std::move(configuration), *std::move(request),  *std::move(sequence),
-                *std::move(catalogue),     *std::move(detector), *std::move(map)};
+  Result<MotionSamples> motion = run_motion(*request);
+  if (!motion) return motion.error();
+  return Inputs{std::move(configuration), *std::move(request),  *std::move(sequence),
+                *std::move(catalogue),    *std::move(detector), *std::move(map),
+                *std::move(motion)};
 }
 
 /// Replaces detect.mode "auto". Runs of equal bytes do not depend on how quick a machine is.
@@ -95,7 +101,7 @@ RunOutcome outcome_of(const RunResults& results, const std::string& write_failur
           results.summary,
           recorder.timings_json(results.system),
           results.system.trajectory(),
-          results.sequence.groundtruth_file(),
+          results.groundtruth_file,
           results.system.atlas(),
           recorder.processed(),
           recorder.tracked(),
@@ -124,7 +130,7 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
                     std::move(inputs->detector), std::move(inputs->map));
   if (auto r = prepare_run_map(request, system); !r) return r.error();
   const std::int64_t start_ns = wall_clock_ns();
-  const PlayInput input{inputs->sequence, camera, request, inputs->catalogue};
+  const PlayInput input{inputs->sequence, camera, request, inputs->catalogue, inputs->motion};
   const Result<PlayEnd> end = play_watched(input, system, listeners, has_detector, folder->path());
   if (!end) return end.error();
   if (listeners.recorder.processed() == 0) {  // there is nothing to write
@@ -140,9 +146,11 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
                      listeners,
                      *end,
                      folder->path(),
+                     {},
                      {}};
-  results.summary = summary_of(results, has_detector, wall_s);
   Attempts attempts;
+  results.groundtruth_file = place_groundtruth(results, attempts);
+  results.summary = summary_of(results, has_detector, wall_s);
   write_results(results, attempts);
   folder->keep();
   return outcome_of(results, attempts.failures());

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "ydd/base/result.h"
+#include "ydd/dataset/sequence.h"
 #include "ydd/dataset/trajectory.h"
-#include "ydd/dataset/tum_sequence.h"
 #include "ydd/map/atlas.h"
 
 namespace ydd::app {
@@ -31,9 +31,10 @@ struct RunRequest {
   std::string config;
   std::vector<std::string> set;
   std::string out;
-  std::string detections;  ///< recording to replay
-  std::string detector;    ///< detector file, for looking at the frames themselves; empty: the
-                           ///< default one unless boxes are replayed or nothing is rejected
+  std::string imu, odometry;  ///< files of sensors of motion; empty: none
+  std::string detections;     ///< recording to replay
+  std::string detector;       ///< detector file, for looking at the frames themselves; empty: the
+                              ///< default one unless boxes are replayed or nothing is rejected
   std::vector<std::string> detector_set;
   std::string detect;              ///< every-frame or asynchronous; empty: as configured
   std::string objects;             ///< object catalogue; empty: the built-in one
@@ -50,6 +51,8 @@ struct RunRequest {
   std::optional<int> max_frames;
   std::optional<std::string> associations;
   std::optional<std::string> depth_offset;
+  std::optional<std::string> source;
+  std::optional<std::string> topic_colour, topic_depth, topic_camera_info;  ///< of a bag
   ViewRequest view;
   std::optional<std::string> serve;  ///< address of the live page; empty: the default one
   std::string serve_token;
@@ -68,8 +71,8 @@ struct RunOutcome {
   std::string summary_json;
   std::string timings_json;
   StampedPoses trajectory;
-  std::optional<std::filesystem::path> groundtruth_file;
-  std::shared_ptr<const Atlas> atlas;  ///< in the end
+  std::optional<std::filesystem::path> groundtruth_file;  ///< in TUM's format
+  std::shared_ptr<const Atlas> atlas;                     ///< in the end
   int processed = 0;
   int tracked = 0;
   std::string incomplete = {};  ///< why the run ended before its sequence did; empty: it did not

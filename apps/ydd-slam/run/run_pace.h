@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ydd/dataset/tum_sequence.h"
+#include "ydd/dataset/sequence.h"
 
 namespace ydd::app {
 

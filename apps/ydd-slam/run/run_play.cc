@@ -17,6 +17,7 @@
 #include "ydd/base/log.h"
 #include "ydd/dataset/frame_source.h"
 #include "ydd/live/live_run.h"
+#include "ydd/system/motion_feed.h"
 
 namespace ydd::app {
 namespace {
@@ -91,7 +92,8 @@ class Playback {
         live_(live ? std::make_unique<LiveRun>(*live, system) : nullptr),
         untracked_(input.sequence, input.camera, !input.request.map.empty()),
         progress_(input.sequence.name(), input.sequence.size(), input.request.quiet),
-        pace_(input.sequence, input.camera.fps) {}
+        pace_(input.sequence, input.camera.fps),
+        motion_(input.motion) {}
 
   /// Until the sequence ends, a watcher or a signal ends it, or something fails.
   Result<void> run() {
@@ -152,10 +154,12 @@ class Playback {
 
   /// A frame that could be read: through the system, into the recorder, to all who listen.
   Result<void> process_frame(const RgbdFrame& frame) {
+    motion_.until(frame.stamp, system_);
     Result<FrameReport> report = system_.process(frame);
     if (!report) return Error{fmt::format("frame {}: {}", frame.index, report.error().message)};
     newest_ = frame.index;
     recorder_.add(*report, map_size(system_));
+    listeners_.tracks.add(*report);
     untracked_.add(frame, *report);
     listeners_.moments.add(frame, *report);
     if (live_) live_->publish(frame, *report);
@@ -190,6 +194,7 @@ class Playback {
   Untracked untracked_;
   Progress progress_;
   Pace pace_;
+  MotionFeed motion_;
   SkipWarnings skip_warnings_;
   std::string first_skipped_;  ///< and why
   std::int64_t newest_ = -1;
@@ -208,15 +213,15 @@ LiveScene live_scene(const PlayInput& input, bool has_detector,
                   {}};
   const std::string& map_file = input.request.save_map;
   scene.map_file = map_file.empty() ? folder / "map.ydd" : std::filesystem::path(map_file);
-  if (const auto file = input.sequence.groundtruth_file()) {
-    if (Result<StampedPoses> truth = read_tum_trajectory(*file)) scene.groundtruth = *truth;
+  if (const auto& truth = input.sequence.groundtruth()) {
+    if (Result<StampedPoses> poses = truth->read()) scene.groundtruth = *poses;
   }
   return scene;
 }
 
 PlayEnd play(const PlayInput& input, SlamSystem& system, Listeners& listeners, LiveControl* live) {
   for (const std::string& odd : odd_stamps(input.sequence, input.camera.fps)) {
-    log::warning("{}: {}", input.sequence.folder().string(), odd);
+    log::warning("{}: {}", input.sequence.place().string(), odd);
   }
   Playback pass(input, system, listeners, live);
   Result<void> fed = guarded("", [&] { return pass.run(); });
@@ -228,7 +233,7 @@ PlayEnd play(const PlayInput& input, SlamSystem& system, Listeners& listeners, L
     end.failure = fed.error().message;
   } else if (listeners.recorder.tracked() == 0 && end.incomplete.empty()) {
     const char* const what = listeners.recorder.processed() > 0 ? "was tracked" : "could be read";
-    end.failure = fmt::format("{}: not one frame of {} {}: {}", input.sequence.folder().string(),
+    end.failure = fmt::format("{}: not one frame of {} {}: {}", input.sequence.place().string(),
                               listeners.recorder.frames_in(), what, pass.untracked_reason());
   }
   return end;

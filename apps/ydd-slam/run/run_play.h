@@ -7,11 +7,12 @@
 
 #include "run/run_job.h"
 #include "run/run_pictures.h"
-#include "ydd/dataset/tum_sequence.h"
+#include "ydd/dataset/sequence.h"
 #include "ydd/detection/object_catalogue.h"
 #include "ydd/live/live_control.h"
 #include "ydd/pictures/key_moments.h"
 #include "ydd/system/run_recorder.h"
+#include "ydd/system/track_recorder.h"
 
 namespace ydd::app {
 
@@ -21,11 +22,13 @@ struct PlayInput {
   const Camera& camera;
   const RunRequest& request;
   const ObjectCatalogue& catalogue;
+  const MotionSamples& motion;
 };
 
 /// Who hears of every frame.
 struct Listeners {
   RunRecorder recorder;
+  TrackRecorder tracks;
   KeyMoments moments;
   std::unique_ptr<RunPictures> pictures;  ///< null: none are asked for, or they failed
   std::string pictures_failure;           ///< empty: they did not

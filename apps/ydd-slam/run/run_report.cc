@@ -49,6 +49,7 @@ RunReportData read_run(const fs::path& folder) {
   data.summary_json = text_of(folder / "summary.json");
   data.frames_json = text_of(folder / "frames.json");
   data.timings_json = text_of(folder / "timings.json");
+  data.tracks_jsonl = text_of(folder / "tracks.jsonl");
   data.config = text_of(folder / "config.yaml");
   data.title = told(data.summary_json, "sequence").value_or(folder.filename().string());
   data.moments = read_moments(folder);

@@ -15,6 +15,7 @@
 #include "run/run_map.h"
 #include "run/run_report.h"
 #include "ydd/base/files.h"
+#include "ydd/base/log.h"
 #include "ydd/map/map_dump.h"
 
 namespace ydd::app {
@@ -50,6 +51,7 @@ void write_data(const RunResults& results, Attempts& attempts) {
         [&] { return format_trajectory(system.keyframe_trajectory(), TrajectoryFormat::tum); });
   write("config.yaml", [&] { return results.configuration.to_yaml(); });
   write("frames.json", [&] { return recorder.frames_json(); });
+  write("tracks.jsonl", [&] { return results.listeners.tracks.jsonl(*system.atlas()); });
   write("timings.json", [&] { return recorder.timings_json(system); });
   write("summary.json", [&] { return results.summary; });
   attempts.attempt([&] { return write_other_format(results, trajectory); });
@@ -60,9 +62,7 @@ void write_data(const RunResults& results, Attempts& attempts) {
 Result<void> write_report(const RunResults& results) {
   const Sequence& sequence = results.sequence;
   const auto read_colour = [&](std::int64_t frame) -> Result<ColourImage> {
-    const auto read = sequence.read(static_cast<std::size_t>(frame), results.configuration.camera);
-    if (!read) return read.error();
-    return read->colour;
+    return sequence.read_colour(static_cast<std::size_t>(frame));
   };
   const SlamSystem& system = results.system;
   const auto pictures = results.listeners.moments.draw(
@@ -70,7 +70,7 @@ Result<void> write_report(const RunResults& results) {
   if (auto r = write_moments(results.folder, pictures); !r) return r;
   RunReportData data = read_run(results.folder);
   data.trajectory = system.trajectory();
-  if (const auto& file = sequence.groundtruth_file()) add_groundtruth(*file, data);
+  if (const auto& file = results.groundtruth_file) add_groundtruth(*file, data);
   return write_run_report(data, results.folder / "report.html");
 }
 
@@ -88,6 +88,24 @@ void Attempts::attempt(const std::function<Result<void>()>& step) {
 
 std::string Attempts::failures() const { return fmt::format("{}", fmt::join(failures_, "; ")); }
 
+std::optional<fs::path> place_groundtruth(const RunResults& results, Attempts& attempts) {
+  const std::optional<GroundTruth>& truth = results.sequence.groundtruth();
+  if (!truth) return std::nullopt;
+  if (truth->is_tum_file) return truth->place;
+  const fs::path file = results.folder / "groundtruth.tum";
+  bool is_there = false;
+  attempts.attempt([&]() -> Result<void> {
+    const Result<StampedPoses> poses = truth->read();
+    if (!poses) {
+      log::warning("{}; no ground truth", poses.error().message);
+      return {};
+    }
+    is_there = true;
+    return write_trajectory(file, *poses);
+  });
+  return is_there ? std::optional(file) : std::nullopt;
+}
+
 std::string summary_of(const RunResults& results, bool has_detector, double wall_s) {
   const RunRequest& request = results.request;
   const SystemOptions& options = results.configuration.options;
@@ -99,7 +117,7 @@ std::string summary_of(const RunResults& results, bool has_detector, double wall
                      options.deterministic,
                      request.realtime,
                      options.tracking.relocalization.seed};
-  if (const auto& file = results.sequence.groundtruth_file()) {
+  if (const auto& file = results.groundtruth_file) {
     run.groundtruth = fs::absolute(*file).lexically_normal().string();
   }
   run.pairing = results.sequence.pairing();

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct RunResults {
   const PlayEnd& end;
   std::filesystem::path folder;
   std::string summary;
+  std::optional<std::filesystem::path> groundtruth_file;  ///< in TUM's format
 };
 
 /// Collects what could not be written: whatever fails, the next result is still tried.
@@ -35,6 +37,11 @@ class Attempts {
  private:
   std::vector<std::string> failures_;
 };
+
+/// The file with the truth in TUM's format: the recording's own, or one made of its poses in the
+/// results' folder. Nothing: there is no truth, or it cannot be read, which is warned of.
+std::optional<std::filesystem::path> place_groundtruth(const RunResults& results,
+                                                       Attempts& attempts);
 
 std::string summary_of(const RunResults& results, bool has_detector, double wall_s);
 

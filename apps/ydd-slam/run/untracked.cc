@@ -43,7 +43,7 @@ void Untracked::add(const RgbdFrame& frame, const FrameReport& report) {
 }
 
 std::string Untracked::depth_reason() const {
-  const auto raw = load_raw_depth(sequence_.entry(static_cast<std::size_t>(first_)).depth_file);
+  const auto raw = sequence_.read_depth_counts(static_cast<std::size_t>(first_));
   int nearest = 0;
   if (raw) {
     const std::size_t n =

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "ydd/dataset/tum_sequence.h"
+#include "ydd/dataset/sequence.h"
 #include "ydd/system/slam_system.h"
 
 namespace ydd::app {

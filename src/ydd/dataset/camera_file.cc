@@ -43,8 +43,8 @@ Result<void> set_value(const OptionTable& ours, const GivenValue& value) {
 
 }  // namespace
 
-Result<Camera> load_camera(const std::filesystem::path& file) {
-  const Result<GivenCamera> given = read_camera_form(file);
+Result<Camera> load_camera(const std::filesystem::path& file, std::optional<double> depth_scale) {
+  const Result<GivenCamera> given = read_camera_form(file, depth_scale);
   if (!given) return given.error();
   Camera camera;
   camera.name = file.stem().string();
@@ -68,7 +68,8 @@ Result<Camera> load_camera(const std::filesystem::path& file) {
   return camera;
 }
 
-Result<Camera> find_camera(const std::filesystem::path& sequence_dir, const std::string& camera) {
+Result<Camera> find_camera(const std::filesystem::path& sequence_dir, const std::string& camera,
+                           const std::optional<Result<Camera>>& own_camera) {
   std::vector<std::string> names;
   for (const Camera& preset : camera_presets()) names.push_back(preset.name);
   if (!camera.empty()) {
@@ -80,6 +81,7 @@ Result<Camera> find_camera(const std::filesystem::path& sequence_dir, const std:
   if (const auto own = sequence_dir / "camera.yaml"; std::filesystem::exists(own)) {
     return load_camera(own);
   }
+  if (own_camera) return *own_camera;
   // "data/fr1_xyz/" and "." name their folder only when resolved.
   std::error_code failure;
   const auto resolved = std::filesystem::weakly_canonical(sequence_dir, failure);
@@ -91,6 +93,26 @@ Result<Camera> find_camera(const std::filesystem::path& sequence_dir, const std:
       fmt::format("{}: which camera? put a camera.yaml there or give --camera FILE or one "
                   "of the presets {}",
                   sequence_dir.string(), fmt::join(names, ", "))};
+}
+
+Result<Camera> find_camera(const Recording& recording, const std::string& camera) {
+  Result<Camera> found = find_camera(recording.place, camera, recording.camera);
+  if (!found || !recording.depth_scale || *recording.depth_scale == found->depth_scale) {
+    return found;
+  }
+  const bool is_preset = !camera.empty() && !std::filesystem::exists(camera);
+  if (is_preset) {  // that is about another format of the same camera
+    log::info("{}: depth counts {:g} to the metre, as in every recording of '{}'",
+              recording.place.string(), *recording.depth_scale, recording.source);
+    found->depth_scale = *recording.depth_scale;
+  } else {
+    log::warning(
+        "{}: depth of a recording of '{}' counts {:g} to the metre, but the depth_scale of camera "
+        "'{}' is {:g}, which is used",
+        recording.place.string(), recording.source, *recording.depth_scale, found->name,
+        found->depth_scale);
+  }
+  return found;
 }
 
 }  // namespace ydd

@@ -444,8 +444,6 @@ Names cameras_of_chain(const Form& form) {
   return cameras;
 }
 
-// --- which form ---------------------------------------------------------------------------------
-
 bool has_below(const Form& form, const std::string& prefix) {
   for (const char* const name : {"fx", "fy", "cx", "cy"}) {
     if (form.find(prefix + name) != nullptr) return true;
@@ -474,12 +472,16 @@ Result<GivenCamera> read_form(const Form& form) {
 
 }  // namespace
 
-Result<GivenCamera> read_camera_form(const std::filesystem::path& file) {
+Result<GivenCamera> read_camera_form(const std::filesystem::path& file,
+                                     std::optional<double> depth_scale) {
   const Result<YAML::Node> root = read_yaml(file, Keys::may_contradict);
   if (!root) return root.error();
   if (!root->IsMap()) return Error{fmt::format("{}: must hold 'key: value' lines", file.string())};
   Entries entries;
   append_entries(*root, "", file.string(), entries);
+  if (depth_scale && !(*root)["depth_scale"]) {
+    entries.push_back({"depth_scale", {fmt::format("{}", *depth_scale)}, false, file.string()});
+  }
   Form form(file.string(), std::move(entries));
   if (const Names cameras = cameras_of_chain(form); cameras.size() == 1) {
     form.enter(cameras.front() + ".");
@@ -491,8 +493,7 @@ Result<GivenCamera> read_camera_form(const std::filesystem::path& file) {
   if (auto r = check_no_more_terms(form); !r) return r.error();
   // A value that is missing explains why another stands twice.
   Result<GivenCamera> camera = read_form(form);
-  if (!camera) return camera;
-  if (auto r = check_keys_differ(*root, file.string()); !r) return r.error();
+  if (auto r = check_keys_differ(*root, file.string()); camera && !r) return r.error();
   return camera;
 }
 

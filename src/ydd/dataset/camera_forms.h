@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,8 @@ struct GivenCamera {
 /// Tells by its keys which form the file has and finds the camera's values in it. Refused with one
 /// line are a form that is not known, one that lacks a value, lenses of another model than pinhole
 /// with radial-tangential distortion (fisheye, omnidirectional, rational with k4 to k6 not zero),
-/// and a file of several cameras.
-Result<GivenCamera> read_camera_form(const std::filesystem::path& file);
+/// and a file of several cameras. `depth_scale`: counts of a metre where the file does not say it.
+Result<GivenCamera> read_camera_form(const std::filesystem::path& file,
+                                     std::optional<double> depth_scale = {});
 
 }  // namespace ydd

@@ -6,7 +6,7 @@
 
 #include "ydd/base/prefetcher.h"
 #include "ydd/base/result.h"
-#include "ydd/dataset/tum_sequence.h"
+#include "ydd/dataset/sequence.h"
 
 namespace ydd {
 

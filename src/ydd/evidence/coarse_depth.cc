@@ -11,27 +11,68 @@ constexpr int kSamples = 4;  // of a cell, in a square
 constexpr float kFar = 1e9F;
 
 struct CellReadings {
-  float middle_m = 0, near_m = kFar, far_m = 0;
-  int count = 0;
+  float middle_m = 0, near_m = kFar, far_m = 0, count = 0;
 };
 
-CellReadings readings_of(const DepthImage& depth_m, int x0_px, int y0_px, int cell_px) {
-  const int low = cell_px / 4;
-  const int high = cell_px - 1 - low;
-  std::array<float, kSamples> found{};
-  CellReadings out;
-  for (const int y : {y0_px + low, y0_px + high}) {
-    const float* row = depth_m.row(y);
-    for (const int x : {x0_px + low, x0_px + high}) {
-      if (row[x] > 0) found[static_cast<std::size_t>(out.count++)] = row[x];
+/// What the cell's samples read; the sorting has no branches, since holes come at random.
+CellReadings readings_of(const float* upper, const float* lower, int left_px, int right_px) {
+  std::array<float, kSamples> z = {upper[left_px], upper[right_px], lower[left_px],
+                                   lower[right_px]};
+  int count = 0;
+  for (float& reading : z) {
+    count += reading > 0 ? 1 : 0;
+    reading = reading > 0 ? reading : kFar;
+  }
+  const auto in_order = [&](std::size_t a, std::size_t b) {
+    const float least = std::min(z[a], z[b]);
+    z[b] = std::max(z[a], z[b]);
+    z[a] = least;
+  };
+  in_order(0, 1), in_order(2, 3), in_order(0, 2), in_order(1, 3), in_order(1, 2);
+  if (count == 0) return {};
+  const auto last = static_cast<std::size_t>(count - 1);
+  return {z[last / 2], z[0], z[last], static_cast<float>(count)};
+}
+
+/// Readings of cells: parallel arrays.
+struct Cells {
+  std::vector<float> near_m, far_m, count;
+  explicit Cells(int cells)
+      : near_m(static_cast<std::size_t>(cells)), far_m(near_m.size()), count(near_m.size()) {}
+};
+
+/// A row of cells, each with its neighbours left and right; `first` is where it begins in `out`.
+void widen(const Cells& row, std::size_t first, Cells& out) {
+  const std::size_t n = row.near_m.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t left = i == 0 ? 0 : i - 1, right = i + 1 == n ? i : i + 1;
+    out.near_m[first + i] = std::min({row.near_m[left], row.near_m[i], row.near_m[right]});
+    out.far_m[first + i] = std::max({row.far_m[left], row.far_m[i], row.far_m[right]});
+    out.count[first + i] =
+        row.count[i] + (left < i ? row.count[left] : 0.0F) + (right > i ? row.count[right] : 0.0F);
+  }
+}
+
+/// The surroundings of each cell: its row's widened cells with those above and below.
+void gather(const Cells& widened, CoarseDepth& out) {
+  const CellGrid& grid = out.grid;
+  for (int row = 0; row < grid.rows; ++row) {
+    const int above = std::max(0, row - 1), below = std::min(grid.rows - 1, row + 1);
+    for (int column = 0; column < grid.columns; ++column) {
+      float near_m = kFar, far_m = 0, count = 0;
+      for (int r = above; r <= below; ++r) {
+        const auto i = static_cast<std::size_t>(grid.index(column, r));
+        near_m = std::min(near_m, widened.near_m[i]);
+        far_m = std::max(far_m, widened.far_m[i]);
+        count += widened.count[i];
+      }
+      const int beside = std::min(grid.columns - 1, column + 1) - std::max(0, column - 1) + 1;
+      const bool enough = 2 * count > static_cast<float>(kSamples * beside * (below - above + 1));
+      const auto cell = static_cast<std::size_t>(grid.index(column, row));
+      out.near_m[cell] = enough ? near_m : 0.0F;
+      out.far_m[cell] = enough ? far_m : 0.0F;
     }
   }
-  if (out.count == 0) return out;
-  std::sort(found.begin(), found.begin() + out.count);
-  out.middle_m = found[static_cast<std::size_t>((out.count - 1) / 2)];
-  out.near_m = found[0];
-  out.far_m = found[static_cast<std::size_t>(out.count - 1)];
-  return out;
 }
 
 }  // namespace
@@ -40,38 +81,27 @@ CoarseDepth coarse_depth(const DepthImage& depth_m, int cell_px) {
   CoarseDepth out;
   out.grid = CellGrid(depth_m.width(), depth_m.height(), cell_px);
   const CellGrid& grid = out.grid;
-  const auto cells = static_cast<std::size_t>(grid.cells());
-  std::vector<CellReadings> readings(cells);
-  out.z_m.resize(cells);
-  out.near_m.resize(cells);
-  out.far_m.resize(cells);
-  for (int row = 0, i = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column, ++i) {
-      const auto cell = static_cast<std::size_t>(i);
-      readings[cell] = readings_of(depth_m, column * cell_px, row * cell_px, cell_px);
-      out.z_m[cell] = readings[cell].middle_m;
-    }
+  for (std::vector<float>* v : {&out.z_m, &out.near_m, &out.far_m}) {
+    v->resize(static_cast<std::size_t>(grid.cells()));
   }
-  for (int row = 0, i = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column, ++i) {
-      float near_m = kFar;
-      float far_m = 0;
-      int count = 0;
-      int asked = 0;
-      for (int r = std::max(0, row - 1); r <= std::min(grid.rows - 1, row + 1); ++r) {
-        for (int c = std::max(0, column - 1); c <= std::min(grid.columns - 1, column + 1); ++c) {
-          const CellReadings& around = readings[static_cast<std::size_t>(grid.index(c, r))];
-          near_m = std::min(near_m, around.near_m);
-          far_m = std::max(far_m, around.far_m);
-          count += around.count;
-          asked += kSamples;
-        }
-      }
-      const bool enough = 2 * count > asked;
-      out.near_m[static_cast<std::size_t>(i)] = enough ? near_m : 0.0F;
-      out.far_m[static_cast<std::size_t>(i)] = enough ? far_m : 0.0F;
+  const int low_px = cell_px / 4, high_px = cell_px - 1 - low_px;
+  Cells widened(grid.cells()), readings(grid.columns);
+  for (int row = 0; row < grid.rows; ++row) {
+    const float* upper = depth_m.row(row * cell_px + low_px);
+    const float* lower = depth_m.row(row * cell_px + high_px);
+    const auto first = static_cast<std::size_t>(grid.index(0, row));
+    for (int column = 0; column < grid.columns; ++column) {
+      const int x_px = column * cell_px;
+      const auto i = static_cast<std::size_t>(column);
+      const CellReadings cell = readings_of(upper, lower, x_px + low_px, x_px + high_px);
+      out.z_m[first + i] = cell.middle_m;
+      readings.near_m[i] = cell.near_m;
+      readings.far_m[i] = cell.far_m;
+      readings.count[i] = cell.count;
     }
+    widen(readings, first, widened);
   }
+  gather(widened, out);
   return out;
 }
 

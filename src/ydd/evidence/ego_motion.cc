@@ -7,8 +7,6 @@
 #include <limits>
 #include <numeric>
 
-#include "ydd/evidence/seen_from.h"
-
 namespace ydd {
 namespace {
 
@@ -93,8 +91,8 @@ std::vector<FeaturePair> pair_features(const Features& then, const Features& now
     if (p.z() <= kNearest_m) continue;
     const Eigen::Vector2f px = camera.project(p).cast<float>();
     const int octave = then.keypoints[i].octave;
-    grid_now.query(now, px.x(), px.y(), static_cast<float>(options.search_px), octave - 1,
-                   octave + 1, candidates);
+    grid_now.query(px.x(), px.y(), static_cast<float>(options.search_px), octave - 1, octave + 1,
+                   candidates);
     const int k = choose(then.descriptors[i], now, candidates, px, options.descriptor_bits, bits);
     if (k < 0) continue;
     const auto found = static_cast<std::size_t>(k);
@@ -200,18 +198,18 @@ void PairedPieces::sum_depth(const SE3& T_now_then) const {
   std::vector<DepthSum>& sums = scratch_.depth;
   sums.assign(static_cast<std::size_t>(piece_count_), {});
   if (!then_depth_) return;
-  const SeenFrom there(T_now_then.inverse(), camera_);
+  const SeenFrom::Places& places = scratch_.places;
+  SeenFrom(T_now_then.inverse(), camera_).see_all(cell_points_, scratch_.places);
   const auto step_share = static_cast<float>(options_.step_share);
-  SeenFrom::Place place;
   for (std::size_t i = 0; i < cell_points_.size(); ++i) {
-    if (!there.see(cell_points_[i], place)) continue;
-    const float z_m = surface_depth(*then_depth_, place.x_px, place.y_px, step_share);
+    if (places.z_m[i] <= 0) continue;
+    const float z_m = surface_depth(*then_depth_, places.x_px[i], places.y_px[i], step_share);
     if (z_m <= 0) continue;
-    const float sigma_m = options_.noise.sigma_m(place.z_m);
+    const float sigma_m = options_.noise.sigma_m(places.z_m[i]);
     DepthSum& sum = sums[static_cast<std::size_t>(cell_piece_[i])];
     // Behind something, or before it: clipped, so that a few do not decide.
     const float most_m = 0.05F + 3 * sigma_m;
-    sum.off_m += std::clamp(place.z_m - z_m, -most_m, most_m);
+    sum.off_m += std::clamp(places.z_m[i] - z_m, -most_m, most_m);
     sum.variance_m2 += 2 * sigma_m * sigma_m;
     sum.z_m += z_m;
     ++sum.count;

@@ -8,6 +8,7 @@
 
 #include "ydd/evidence/coarse_depth.h"
 #include "ydd/evidence/evidence_options.h"
+#include "ydd/evidence/seen_from.h"
 #include "ydd/evidence/surfaces.h"
 #include "ydd/features/matching.h"
 #include "ydd/geometry/se3.h"
@@ -92,6 +93,7 @@ class PairedPieces {
     std::vector<double> du_px, dv_px, dz_m;  ///< residuals of one group
     std::vector<double> chi2;                ///< of pieces; negative: cannot tell
     std::vector<DepthSum> depth;             ///< of pieces
+    SeenFrom::Places places;                 ///< of the cells, in the earlier frame
     std::vector<PoseObservation> observations;
     std::vector<int> groups;
   };
@@ -112,7 +114,7 @@ class PairedPieces {
   Camera camera_;
   EvidenceOptions options_;
   double excess_ = 1;
-  std::vector<Eigen::Vector3f> cell_points_;
+  PointList cell_points_;
   std::vector<int> cell_piece_;
   const CoarseDepth* then_depth_ = nullptr;
   int piece_count_ = 0;

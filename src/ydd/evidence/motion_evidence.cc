@@ -138,6 +138,7 @@ const MotionOdds& MotionEvidence::look(std::shared_ptr<const Features> features,
   carried_ = carried_odds(before_, now_->depth, last.T_origin_camera.inverse() * T_origin_expected,
                           camera_, rays_, options_);
   odds_ = carried_;
+  points_ = points_on(rays_, now_->depth.z_m);
   surfaces_ = find_surfaces(now_->depth, rays_, options_);
   grid_ = KeypointGrid(*now_->features, camera_);
   earlier_ = &nearest_age(stamp, kPairAge_s);
@@ -248,11 +249,12 @@ std::vector<float> MotionEvidence::piece_weights() const {
 void MotionEvidence::gather_space(std::span<float> gathered) const {
   const std::size_t cells = now_->depth.z_m.size();
   std::vector<float> intrusion(cells, 0.0F), presence(cells, 0.0F);
+  SeenFrom::Places places;
+  std::vector<Space> space;
   for (const Seen* then : witnesses()) {
     const double age_s = seconds_between(then->stamp, now_->stamp);
-    const std::vector<Space> space = space_then(
-        now_->depth, then->depth, then->T_origin_camera.inverse() * now_->T_origin_camera, camera_,
-        rays_, options_);
+    space_then(points_, then->depth, then->T_origin_camera.inverse() * now_->T_origin_camera,
+               camera_, options_, places, space);
     const auto still = static_cast<float>(std::min(1.0, age_s / kLongAgo_s));
     const float came = age_s <= kJustNow_s ? 1.0F : kCameBefore;
     for (std::size_t i = 0; i < cells; ++i) {

@@ -78,6 +78,7 @@ class MotionEvidence {
   SE3 T_origin_last_;                        ///< ... up to this pose, of the last frame, ...
   Timestamp last_stamp_;                     ///< ... which need not be among those seen
   std::optional<Seen> now_;                  ///< looked at, not settled
+  PointList points_;                         ///< of its cells, in its camera frame
   Surfaces surfaces_;                        ///< of now
   KeypointGrid grid_;                        ///< of its features
   std::optional<PairedPieces> pieces_;       ///< of now and an earlier frame

@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "ydd/evidence/seen_from.h"
-
 namespace ydd {
 namespace {
 
@@ -20,28 +18,25 @@ Space judge(float z_m, float tolerance_m, const CoarseDepth& then, std::size_t c
 
 }  // namespace
 
-std::vector<Space> space_then(const CoarseDepth& now, const CoarseDepth& then,
-                              const SE3& T_then_now, const Camera& camera,
-                              std::span<const Eigen::Vector2f> rays,
-                              const EvidenceOptions& options) {
-  std::vector<Space> out(now.z_m.size(), Space::unknown);
-  const SeenFrom there(T_then_now, camera);
-  SeenFrom::Place place;
-  const auto sigmas = static_cast<float>(options.sigmas);
+void space_then(const PointList& now, const CoarseDepth& then, const SE3& T_then_now,
+                const Camera& camera, const EvidenceOptions& options, SeenFrom::Places& places,
+                std::vector<Space>& out) {
+  SeenFrom(T_then_now, camera).see_all(now, places);
+  out.assign(now.size(), Space::unknown);
+  const CellGrid grid = then.grid;
+  const SensorNoise noise = options.noise;
+  const float sigmas = 1.42F * static_cast<float>(options.sigmas);
   const auto slack_m = static_cast<float>(options.slack_m);
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const float z_m = now.z_m[i];
-    if (z_m <= 0 || !there.see(point_on(rays[i], z_m), place)) continue;
-    if (!(place.x_px >= 0 && place.y_px >= 0)) continue;
-    const int column = then.grid.cell_of(place.x_px);
-    const int row = then.grid.cell_of(place.y_px);
-    if (!then.grid.contains(column, row)) continue;
-    const float sigma_m = options.noise.sigma_m(z_m);
-    const float tolerance_m = slack_m + 1.42F * sigmas * sigma_m;
+    const bool seen = now.z_m[i] > 0 && places.z_m[i] > 0;
+    if (!seen || !(places.x_px[i] >= 0 && places.y_px[i] >= 0)) continue;
+    const int column = grid.cell_of(places.x_px[i]);
+    const int row = grid.cell_of(places.y_px[i]);
+    if (!grid.contains(column, row)) continue;
+    const float tolerance_m = slack_m + sigmas * noise.sigma_m(now.z_m[i]);
     out[i] =
-        judge(place.z_m, tolerance_m, then, static_cast<std::size_t>(then.grid.index(column, row)));
+        judge(places.z_m[i], tolerance_m, then, static_cast<std::size_t>(grid.index(column, row)));
   }
-  return out;
 }
 
 }  // namespace ydd

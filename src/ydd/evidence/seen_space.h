@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "ydd/evidence/coarse_depth.h"
 #include "ydd/evidence/evidence_options.h"
+#include "ydd/evidence/seen_from.h"
 #include "ydd/geometry/se3.h"
 
 namespace ydd {
@@ -19,12 +19,12 @@ enum class Space : std::uint8_t {
   empty,    ///< the earlier frame looked through it: what is there now has come
 };
 
-/// For each cell of `now` what `then` says of its place. `T_then_now` maps from the camera frame of
-/// now to that of then. Only what no reading around the place contradicts is called empty, so that
-/// edges and an error of the pose of some millimetres are no evidence.
-std::vector<Space> space_then(const CoarseDepth& now, const CoarseDepth& then,
-                              const SE3& T_then_now, const Camera& camera,
-                              std::span<const Eigen::Vector2f> rays,
-                              const EvidenceOptions& options);
+/// For each of the points `now` what `then` says of its place. `T_then_now` maps from the camera
+/// frame of now to that of then. Only what no reading around the place contradicts is called empty,
+/// so that edges and an error of the pose of some millimetres are no evidence. `places` is room to
+/// work in.
+void space_then(const PointList& now, const CoarseDepth& then, const SE3& T_then_now,
+                const Camera& camera, const EvidenceOptions& options, SeenFrom::Places& places,
+                std::vector<Space>& out);
 
 }  // namespace ydd

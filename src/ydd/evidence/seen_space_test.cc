@@ -42,7 +42,11 @@ std::vector<Space> space_of(const SpaceView& now, const SpaceView& then,
                             const SE3& T_then_now = SE3()) {
   const Camera camera = evidence_testing::small_camera();
   const std::vector<Eigen::Vector2f> rays = cell_rays(camera, CellGrid(160, 120, 8));
-  return space_then(now.coarse(), then.coarse(), T_then_now, camera, rays, {});
+  SeenFrom::Places places;
+  std::vector<Space> space;
+  space_then(points_on(rays, now.coarse().z_m), then.coarse(), T_then_now, camera, {}, places,
+             space);
+  return space;
 }
 
 SE3 shifted(double x_m, double y_m, double z_m) {

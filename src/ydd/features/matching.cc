@@ -57,35 +57,43 @@ KeypointGrid::KeypointGrid(const Features& features, const Camera& camera)
   };
   // Counting sort; filling from the back keeps indices increasing within a cell.
   start_.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
-  order_.resize(n);
+  entries_.resize(n);
   for (std::size_t i = 0; i < n; ++i) ++start_[cell(i)];
   int sum = 0;
   for (int& s : start_) s = sum += s;
   for (std::size_t i = n; i-- > 0;) {
-    order_[static_cast<std::size_t>(--start_[cell(i)])] = static_cast<int>(i);
+    const Eigen::Vector2f& px = features.undistorted_px[i];
+    entries_[static_cast<std::size_t>(--start_[cell(i)])] = {
+        px.x(), px.y(), static_cast<std::uint32_t>(i) & 0xFFFFFFU,
+        static_cast<std::uint8_t>(features.keypoints[i].octave)};
   }
 }
 
-void KeypointGrid::query(const Features& features, float x_px, float y_px, float radius_px,
-                         int min_octave, int max_octave, std::vector<int>& out) const {
+void KeypointGrid::query(float x_px, float y_px, float radius_px, int min_octave, int max_octave,
+                         std::vector<int>& out) const {
   out.clear();
-  if (order_.empty()) return;
+  if (entries_.empty()) return;
   const int first_column = cell_of(x_px - radius_px - origin_x_px_, kCell_px, columns_);
   const int last_column = cell_of(x_px + radius_px - origin_x_px_, kCell_px, columns_);
   const int first_row = cell_of(y_px - radius_px - origin_y_px_, kCell_px, rows_);
   const int last_row = cell_of(y_px + radius_px - origin_y_px_, kCell_px, rows_);
+  std::size_t found = 0;
   for (int row = first_row; row <= last_row; ++row) {
-    // The cells of one row lie one after the other in order_.
+    // The cells of one row lie one after the other in entries_.
     const auto begin = static_cast<std::size_t>(start_[row * columns_ + first_column]);
     const auto end = static_cast<std::size_t>(start_[row * columns_ + last_column + 1]);
+    out.resize(std::max(out.size(), found + end - begin));
     for (std::size_t k = begin; k < end; ++k) {
-      const int i = order_[k];
-      const Eigen::Vector2f& px = features.undistorted_px[i];
-      if (!(std::abs(px.x() - x_px) < radius_px && std::abs(px.y() - y_px) < radius_px)) continue;
-      const int octave = features.keypoints[i].octave;
-      if (octave >= min_octave && octave <= max_octave) out.push_back(i);
+      // Written in any case and kept by the count alone: whether one is near is a coin's toss.
+      const Entry& e = entries_[k];
+      const int octave = e.octave;
+      out[found] = static_cast<int>(e.index);
+      const bool near =
+          (std::abs(e.x_px - x_px) < radius_px) & (std::abs(e.y_px - y_px) < radius_px);
+      found += near & (octave >= min_octave) & (octave <= max_octave) ? 1 : 0;
     }
   }
+  out.resize(found);
 }
 
 BestMatch best_match(const Descriptor& query, const Features& features,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -18,15 +19,21 @@ class KeypointGrid {
   /// Appends to `out` (cleared first) the indices of keypoints with |dx| < radius and |dy| < radius
   /// of (x, y), all in undistorted pixels, in increasing cell order, on octaves
   /// [min_octave, max_octave].
-  void query(const Features& features, float x_px, float y_px, float radius_px, int min_octave,
-             int max_octave, std::vector<int>& out) const;
+  void query(float x_px, float y_px, float radius_px, int min_octave, int max_octave,
+             std::vector<int>& out) const;
 
  private:
   static constexpr float kCell_px = 16.0F;
   float origin_x_px_ = 0, origin_y_px_ = 0;
   int columns_ = 0, rows_ = 0;
-  std::vector<int> start_;  ///< columns * rows + 1 offsets into order_
-  std::vector<int> order_;  ///< keypoint indices by cell
+  /// What a query asks of a keypoint, side by side: queries are where tracking reads most.
+  struct Entry {
+    float x_px, y_px;
+    std::uint32_t index : 24;
+    std::uint32_t octave : 8;
+  };
+  std::vector<int> start_;      ///< columns * rows + 1 offsets into entries_
+  std::vector<Entry> entries_;  ///< by cell
 };
 
 /// Nearest and second nearest of some candidates.

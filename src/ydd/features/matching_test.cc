@@ -53,7 +53,7 @@ TEST(KeypointGrid, FindsWhatBruteForceFinds) {
         expected.push_back(i);
       }
     }
-    grid.query(f, cx, cy, radius, lo, hi, found);
+    grid.query(cx, cy, radius, lo, hi, found);
     std::sort(found.begin(), found.end());
     EXPECT_EQ(found, expected) << "trial " << trial;
   }
@@ -65,15 +65,15 @@ TEST(KeypointGrid, GivesIndicesInCellOrder) {
   f.keypoints.resize(4);
   const KeypointGrid grid(f, Camera{});
   std::vector<int> found{99};
-  grid.query(f, 20, 20, 100, 0, 0, found);
+  grid.query(20, 20, 100, 0, 0, found);
   EXPECT_THAT(found, ElementsAre(1, 3, 2, 0));
 }
 
 TEST(KeypointGrid, AnEmptyOneFindsNothing) {
   std::vector<int> found{1};
-  KeypointGrid().query(Features{}, 10, 10, 100, 0, 7, found);
+  KeypointGrid().query(10, 10, 100, 0, 7, found);
   EXPECT_THAT(found, IsEmpty());
-  KeypointGrid(Features{}, Camera{}).query(Features{}, 10, 10, 100, 0, 7, found);
+  KeypointGrid(Features{}, Camera{}).query(10, 10, 100, 0, 7, found);
   EXPECT_THAT(found, IsEmpty());
 }
 

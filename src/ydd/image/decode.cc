@@ -77,29 +77,37 @@ class DepthScale {
 Result<ImageFile> open_colour(const std::filesystem::path& file) {
   Result<std::string> bytes = read_file(file);
   if (!bytes) return bytes.error();
-  const Result<ImageHeader> header = read_image_header(*bytes);
-  if (!header) return failure(file, header.error().message);
-  if (header->format == ImageHeader::Format::jpeg && header->bits_per_channel != 8) {
-    return failure(file,
-                   fmt::format("is {}; of JPEG only 8 bits a channel are read", describe(*header)));
-  }
-  return ImageFile{file, *std::move(bytes), *header};
+  return open_colour(file, *std::move(bytes));
 }
 
 Result<ImageFile> open_depth(const std::filesystem::path& file) {
   Result<std::string> bytes = read_file(file);
   if (!bytes) return bytes.error();
-  if (!bytes->empty() && !is_png(*bytes) && !is_jpeg(*bytes)) {
-    const std::string_view kind = kind_of_file(*bytes).value_or("neither PNG nor JPEG");
+  return open_depth(file, *std::move(bytes));
+}
+
+Result<ImageFile> open_colour(const std::filesystem::path& file, std::string bytes) {
+  const Result<ImageHeader> header = read_image_header(bytes);
+  if (!header) return failure(file, header.error().message);
+  if (header->format == ImageHeader::Format::jpeg && header->bits_per_channel != 8) {
+    return failure(file,
+                   fmt::format("is {}; of JPEG only 8 bits a channel are read", describe(*header)));
+  }
+  return ImageFile{file, std::move(bytes), *header};
+}
+
+Result<ImageFile> open_depth(const std::filesystem::path& file, std::string bytes) {
+  if (!bytes.empty() && !is_png(bytes) && !is_jpeg(bytes)) {
+    const std::string_view kind = kind_of_file(bytes).value_or("neither PNG nor JPEG");
     return failure(file, fmt::format("is {}; {}", kind, kDepthIsWanted));
   }
-  const Result<ImageHeader> header = read_image_header(*bytes);
+  const Result<ImageHeader> header = read_image_header(bytes);
   if (!header) return failure(file, header.error().message);
   if (header->format != ImageHeader::Format::png || header->bits_per_channel != 16 ||
       header->channels != 1) {
     return failure(file, fmt::format("is {}; {}", describe(*header), kDepthIsWanted));
   }
-  return ImageFile{file, *std::move(bytes), *header};
+  return ImageFile{file, std::move(bytes), *header};
 }
 
 Result<ColourImage> decode_colour(const ImageFile& file) {
@@ -140,9 +148,13 @@ Result<DepthImage> load_depth(const std::filesystem::path& file, const Camera& c
 Result<RawDepthImage> load_raw_depth(const std::filesystem::path& file) {
   const Result<ImageFile> opened = open_depth(file);
   if (!opened) return opened.error();
-  const ImageHeader& header = opened->header;
-  const Result<PngRows> rows = decode_png(opened->bytes, header);
-  if (!rows) return failure(file, rows.error().message);
+  return decode_raw_depth(*opened);
+}
+
+Result<RawDepthImage> decode_raw_depth(const ImageFile& file) {
+  const ImageHeader& header = file.header;
+  const Result<PngRows> rows = decode_png(file.bytes, header);
+  if (!rows) return failure(file.path, rows.error().message);
   const auto width = static_cast<std::size_t>(header.width_px);
   std::vector<std::uint16_t> counts(width * header.height_px);
   for (int y = 0; y < header.height_px; ++y) {

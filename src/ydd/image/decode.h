@@ -28,6 +28,10 @@ Result<ImageFile> open_colour(const std::filesystem::path& file);
 /// A PNG with one grey channel of 16 bits, interlaced or not.
 Result<ImageFile> open_depth(const std::filesystem::path& file);
 
+/// The same of pictures that are in memory already; `name` is what errors call them.
+Result<ImageFile> open_colour(const std::filesystem::path& name, std::string bytes);
+Result<ImageFile> open_depth(const std::filesystem::path& name, std::string bytes);
+
 /// As BGR; grey files get three equal channels, of 16 bits the higher 8 are kept, alpha and
 /// transparency are dropped, an orientation tag is ignored (calibration is about pixels as stored).
 Result<ColourImage> decode_colour(const ImageFile& file);
@@ -36,10 +40,13 @@ Result<ColourImage> decode_colour(const ImageFile& file);
 /// open_depth.
 Result<DepthImage> decode_depth(const ImageFile& file, const Camera& camera);
 
+/// The counts of `file`, which is from open_depth.
+Result<RawDepthImage> decode_raw_depth(const ImageFile& file);
+
 /// open_colour and decode_colour.
 Result<ColourImage> load_colour(const std::filesystem::path& file);
 
-/// The counts of a depth file.
+/// open_depth and decode_raw_depth.
 Result<RawDepthImage> load_raw_depth(const std::filesystem::path& file);
 
 /// open_depth and decode_depth.

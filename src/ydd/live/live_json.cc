@@ -198,8 +198,18 @@ std::string live_map_json(const LiveScene& scene, const LiveFrame& live) {
     add(camera, map.path.back());
     camera.push_back(rounded(std::atan2(map.ahead.y(), map.ahead.x()), 1000));
   }
+  Json tracks = Json::array();
+  for (const WorldTrack& track : live.report->tracks) {
+    Json one = Json::array();
+    add(one, {track.position_m.x(), track.position_m.z()});
+    add(one, {track.velocity_m_s.x(), track.velocity_m_s.z()});
+    one.push_back(track.id);
+    one.push_back(track.class_name);
+    tracks.push_back(std::move(one));
+  }
   return text_of({{"serial", live.serial},
                   {"resets", live.status.resets},
+                  {"tracks", tracks},
                   {"points", flat(map.points)},
                   {"keyframes", flat(map.keyframes)},
                   {"path", path_json(map)},

@@ -16,8 +16,8 @@ std::string live_state_json(const LiveScene& scene, const LiveFrame& live);
 
 /// The map from above (map_from_above.h), rounded to millimetres: {serial, resets, points,
 /// keyframes, path, truth: [x, y, x, y, ...], loops: [[x0, y0, x1, y1]...], camera: [x, y,
-/// angle_rad], lost}. `path` has null where tracking was interrupted; `truth` is aligned to it, as
-/// far as the path goes.
+/// angle_rad], lost, tracks: [[x, y, vx, vy, id, class]...]}. `path` has null where tracking was
+/// interrupted; `truth` is aligned to it, as far as the path goes.
 std::string live_map_json(const LiveScene& scene, const LiveFrame& live);
 
 /// The trajectory so far in the map that the camera is in, TUM format.

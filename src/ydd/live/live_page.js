@@ -154,6 +154,21 @@ function drawCamera(g, at) {
   g.arc(x, y, 16, angle - .5, angle + .5);
   g.fill();
 }
+/// People and moving things: a disc of half a metre, and where each will be in a second.
+function drawTracks(g, at, k) {
+  g.font = '12px system-ui, sans-serif';
+  for (const [x, y, vx, vy, id, name] of map.tracks) {
+    const [cx, cy] = at(x, y), [ex, ey] = at(x + vx, y + vy);
+    g.strokeStyle = g.fillStyle = colour('track');
+    g.lineWidth = 2;
+    g.beginPath();
+    g.arc(cx, cy, Math.max(3, .25 * k), 0, 2 * Math.PI);
+    g.moveTo(cx, cy);
+    g.lineTo(ex, ey);
+    g.stroke();
+    g.fillText(name + ' ' + id, cx + 6, cy - 6);
+  }
+}
 function drawScale(g, h, k) {
   const least = 60 / k, power = 10 ** Math.floor(Math.log10(least));
   const length = power * [1, 2, 5, 10].find((m) => m * power >= least);
@@ -188,9 +203,10 @@ function drawMap() {
     const [x, y] = at(map.keyframes[i], map.keyframes[i + 1]);
     g.fillRect(x - 2.5, y - 2.5, 5, 5);
   }
+  drawTracks(g, at, k);
   drawCamera(g, at);
   drawScale(g, h, k);
-  $('map-key').textContent = 'from above: path blue, keyframes squares' + (map.truth.length ? ', truth ' +
+  $('map-key').textContent = 'from above: path blue, keyframes squares' + (map.tracks.length ? ', people and things purple, with their way of the next second' : '') + (map.truth.length ? ', truth ' +
     (matchMedia('(prefers-color-scheme: dark)').matches ? 'white' : 'black') : '');
   canvas.dataset.drawn = map.points.length / 2;
 }

@@ -17,6 +17,7 @@
 #include <httplib.h>
 #include <nlohmann/json.hpp>
 
+#include "ydd/live/live_json.h"
 #include "ydd/live/live_run.h"
 #include "ydd/system/picture_testing.h"
 
@@ -122,6 +123,21 @@ TEST_F(LiveServerTest, ShowsTheMapFromAbove) {
   const std::string trajectory = body("/trajectory.tum");
   EXPECT_EQ(std::count(trajectory.begin(), trajectory.end(), '\n'), 12);
   EXPECT_THAT(body("/map.ply"), StartsWith("ply\nformat binary_little_endian 1.0\n"));
+}
+
+TEST_F(LiveServerTest, ShowsPeopleFromAbove) {
+  process(0, 3);
+  LiveFrame live = *control_.newest();
+  WorldTrack track;
+  track.id = 5;
+  track.class_name = "person";
+  track.position_m = {1, 9, 3};
+  track.velocity_m_s = {0.5, 0, -0.25};
+  FrameReport report = *live.report;
+  report.tracks = {track};
+  live.report = std::make_shared<const FrameReport>(report);
+  const json map = json::parse(live_map_json(control_.scene(), live));
+  EXPECT_EQ(map.at("tracks"), json::array({json::array({1.0, 3.0, 0.5, -0.25, 5, "person"})}));
 }
 
 TEST_F(LiveServerTest, CommandsReachTheRun) {

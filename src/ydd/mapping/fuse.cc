@@ -19,7 +19,7 @@ int find_keypoint(const Atlas& atlas, const KeyFrame& keyframe, const Viewpoint&
   const Eigen::Vector2d& px = visible->px;
   const double scale = atlas.scales().factor[static_cast<std::size_t>(visible->octave)];
   const Features& f = keyframe.features();
-  keyframe.grid->query(f, static_cast<float>(px.x()), static_cast<float>(px.y()),
+  keyframe.grid->query(static_cast<float>(px.x()), static_cast<float>(px.y()),
                        static_cast<float>(radius_px * scale), visible->octave - 1, visible->octave,
                        candidates);
   // The reprojection must pass the same test as in bundle adjustment.

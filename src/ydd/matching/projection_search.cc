@@ -98,7 +98,7 @@ std::vector<PointMatch> search_last_frame(const Atlas& atlas, const TrackedFrame
     if (!camera.contains(px)) continue;
     const int octave = from.keypoints[i].octave;
     const double radius = radius_px * atlas.scales().factor[static_cast<std::size_t>(octave)];
-    frame.grid->query(to, static_cast<float>(px.x()), static_cast<float>(px.y()),
+    frame.grid->query(static_cast<float>(px.x()), static_cast<float>(px.y()),
                       static_cast<float>(radius), octave - 1, octave + 1, candidates);
     std::erase_if(candidates, [&](int k) {
       return !right_agrees(camera, to, k, px.x(), p_camera.z(), radius);
@@ -141,7 +141,7 @@ LocalSearch search_local_map(const Atlas& atlas, const LocalMap& local, const Tr
     // A point seen straight on is where it is predicted; seen from the side, its patch deforms.
     const double radius = radius_px * (seen->view_cosine > kStraightOnCosine ? 2.5 : 4.0) *
                           atlas.scales().factor[static_cast<std::size_t>(seen->octave)];
-    frame.grid->query(features, static_cast<float>(seen->px.x()), static_cast<float>(seen->px.y()),
+    frame.grid->query(static_cast<float>(seen->px.x()), static_cast<float>(seen->px.y()),
                       static_cast<float>(radius), seen->octave - 1, seen->octave, candidates);
     std::erase_if(candidates, [&](int k) {
       return frame.points[static_cast<std::size_t>(k)].valid() ||

@@ -9,6 +9,7 @@
 #include "ydd/cloud/keyframe_picture.h"
 #include "ydd/evidence/motion_odds.h"
 #include "ydd/map/local_map.h"
+#include "ydd/reckoning/dead_reckoning.h"
 
 namespace ydd {
 
@@ -21,6 +22,7 @@ struct TrackedFrame {
   std::shared_ptr<const KeypointGrid> grid;
   std::shared_ptr<const PictureSource> picture;  ///< for a keyframe to keep; null: none
   std::shared_ptr<const MotionOdds> odds;        ///< that its surfaces move; null: not asked for
+  std::optional<ReckonedMotion> reckoned;        ///< since the last seen pose, by other senses
   SE3 T_camera_world;
   std::vector<MapPointId> points;  ///< per keypoint; empty id: none
   bool stale = false;  ///< one of its pictures is an earlier frame's: it makes no keyframe

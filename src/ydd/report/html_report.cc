@@ -14,6 +14,7 @@
 #include "ydd/base/json_text.h"
 #include "ydd/base/version.h"
 #include "ydd/report/report_html.h"
+#include "ydd/report/report_tracks.h"
 
 namespace ydd {
 namespace {
@@ -128,9 +129,12 @@ Alignment place_of(const RunReportData& run, const RunReportData& first) {
 }  // namespace
 
 Result<std::string> html_report(const RunReportData& data) {
-  Result<Json> json =
-      run_json(data, data.evaluation ? data.evaluation->ate.alignment : Alignment{});
+  const Alignment place = data.evaluation ? data.evaluation->ate.alignment : Alignment{};
+  Result<Json> json = run_json(data, place);
   if (!json) return json.error();
+  Result<Json> tracks = tracks_json(data.tracks_jsonl, place);
+  if (!tracks) return tracks.error();
+  (*json)["tracks"] = *std::move(tracks);
   (*json)["version"] = kVersion;
   (*json)["title"] = data.title;
   (*json)["truth"] = poses_json(data.groundtruth, {});

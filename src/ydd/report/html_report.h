@@ -23,7 +23,8 @@ struct KeyMoment {
 struct RunReportData {
   std::string title;
   std::string summary_json, frames_json, timings_json;
-  std::string config;  ///< text of the effective configuration
+  std::string tracks_jsonl;  ///< as `TrackRecorder` tells it: a line per frame
+  std::string config;        ///< text of the effective configuration
   StampedPoses trajectory;
   StampedPoses groundtruth;
   std::optional<Evaluation> evaluation;  ///< of `trajectory` against `groundtruth`

@@ -213,5 +213,58 @@ TEST(HtmlReport, BrokenJsonIsNamed) {
             "timings of the run: JSON nested in more than 64 levels");
 }
 
+/// A person who goes half a metre to the right, seen in two frames and not in the third.
+std::string walker_jsonl() {
+  std::string out;
+  for (int i = 0; i < 3; ++i) {
+    const json track = {{"id", 4},
+                        {"class", "<b>person"},
+                        {"position_m", {0.25 * i, 0.0, 2.0}},
+                        {"velocity_m_s", {0.25, 0.0, 0.0}},
+                        {"extent_m", {0.5, 1.7, 0.2}},
+                        {"unseen_s", i == 2 ? 1.0 : 0.0},
+                        {"moving", i == 0}};
+    out += json{{"frame", i}, {"stamp_s", 1.0 + i}, {"tracks", json::array({track})}}.dump() + "\n";
+  }
+  return out;
+}
+
+TEST(HtmlReport, HoldsPeopleAndThings) {
+  RunReportData data = sample();
+  EXPECT_EQ(data_of(html_report(data).value())["tracks"], json::array());
+  data.tracks_jsonl = walker_jsonl();
+  const json tracks = data_of(html_report(data).value())["tracks"];
+  ASSERT_EQ(tracks.size(), 1U);
+  const json& track = tracks[0];
+  EXPECT_EQ(track["id"], 4);
+  EXPECT_EQ(track["seen"], 2);
+  EXPECT_EQ(track["way_m"], 0.25);
+  EXPECT_EQ(track["top_m_s"], 0.25);
+  EXPECT_EQ(track["moving"], 0.5);
+  EXPECT_EQ(track["xyz"][1], json({0.25, 0.0, 2.0}));
+}
+
+TEST(HtmlReport, PeopleAreShownWhereTheTruthIs) {
+  RunReportData data = sample();
+  data.tracks_jsonl = walker_jsonl();
+  data.groundtruth = path(30, 1.0);  // a metre to the right of the estimate
+  data.evaluation = evaluate(data.groundtruth, data.trajectory).value();
+  const json tracks = data_of(html_report(data).value())["tracks"];
+  EXPECT_NEAR(tracks[0]["xyz"][0][0].get<double>(), 1.0, 1e-3);
+}
+
+TEST(HtmlReport, TracksThatAreDamagedAreNamedByTheirLine) {
+  for (const char* line :
+       {"{\"frame\": 1", "[]", "{\"stamp_s\": 1}", "{\"stamp_s\": 1, \"tracks\": [3]}",
+        "{\"stamp_s\": 1, \"tracks\": [{\"id\": 1, \"position_m\": [1, 2]}]}",
+        "{\"stamp_s\": 1, \"tracks\": [{\"id\": 1, \"position_m\": [1, 2, \"3\"]}]}"}) {
+    RunReportData data = sample();
+    data.tracks_jsonl = walker_jsonl() + line + "\n";
+    const auto html = html_report(data);
+    ASSERT_FALSE(html) << line;
+    EXPECT_THAT(html.error().message, HasSubstr("line 4")) << line;
+  }
+}
+
 }  // namespace
 }  // namespace ydd

@@ -68,6 +68,7 @@ function niceStep(range) {
   const raw = range / 5, power = 10 ** Math.floor(Math.log10(raw));
   return [1, 2, 5, 10].find((m) => m * power >= raw) * power;
 }
+let viewCount = 0;
 let W = 640;  // of a view, in its own pixels
 const margin = {left: 46, right: 12, top: 12, bottom: 34};
 /// Tracks {name, css, times, xyz, errors: index of the pose -> metres, pairs: [truth, pose]} and
@@ -75,6 +76,7 @@ const margin = {left: 46, right: 12, top: 12, bottom: 34};
 class TrajectoryView {
   constructor(parent, view, tracks, truth) {
     this.view = view; this.tracks = tracks; this.truth = truth;
+    this.number = ++viewCount;  // a clip of the same name in another drawing would cut this one
     const figure = element(parent, 'figure');
     element(figure, 'h3', view.name + ' (' + axisNames[view.u] + ', ' + axisNames[view.v] + ')');
     this.svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
@@ -127,7 +129,7 @@ class TrajectoryView {
     this.svg.replaceChildren();
     this.svg.setAttribute('viewBox', '0 0 ' + W + ' ' + H.toFixed(0));
     this.drawGrid(w, h);
-    const clip = 'clip-' + axisNames[this.view.u] + axisNames[this.view.v];
+    const clip = 'clip-' + this.number;
     const box = {x: margin.left, y: margin.top, width: w, height: h};
     this.add(this.add(this.svg, 'clipPath', {id: clip}), 'rect', box);
     const group = this.add(this.svg, 'g', {'clip-path': 'url(#' + clip + ')'});

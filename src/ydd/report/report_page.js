@@ -82,6 +82,27 @@ function drawTrajectory() {
     errors: new Map(data.pairs.map(([, e], i) => [e, data.ate_m[i]]))};
   drawViews(node, data.trajectory.mean_down, [track], truthBetween(start, 0, end));
 }
+function drawTracks() {
+  if (!data.tracks.length) return;
+  const node = section('People and moving things');
+  element(node, 'p', 'Where they were and went in the map\'s frame (tracks.jsonl has every frame). The camera\'s path is grey.',
+    {className: 'dim'});
+  const end = poseTimes.length ? poseTimes[poseTimes.length - 1] : 0;
+  const shown = data.tracks.slice(0, 40).map((t, i) => ({name: t.class + ' ' + t.id, css: palette[i % palette.length],
+    times: t.stamp_s.map((s) => s - start), xyz: t.xyz, pairs: [], errors: new Map()}));
+  const camera = {name: 'camera', css: 'var(--keyframe)', times: poseTimes, xyz: data.trajectory.xyz, pairs: [],
+    errors: new Map()};
+  const key = element(node, 'p', undefined, {className: 'dim'});
+  shown.slice(0, 12).forEach((t) => keyEntry(key, t.name, t.css));
+  keyEntry(key, 'camera', camera.css);
+  drawViews(node, data.trajectory.mean_down, [camera, ...shown], []);
+  table(node, ['', 'first [s]', 'last [s]', 'seen [frames]', 'way [m]', 'mean speed [m/s]', 'top speed [m/s]',
+    'judged moving', 'size w × h [m]'],
+    data.tracks.slice(0, 200).map((t) => [t.class + ' ' + t.id, fixed(t.first_s - start, 2), fixed(t.last_s - start, 2),
+      t.seen, fixed(t.way_m, 2), fixed(t.mean_m_s, 2), fixed(t.top_m_s, 2), fixed(100 * t.moving, 0) + ' %',
+      fixed(t.extent_m[0], 2) + ' × ' + fixed(t.extent_m[1], 2)]));
+  if (data.tracks.length > 40) element(node, 'p', 'The drawing has the 40 longest of ' + data.tracks.length + '.');
+}
 function drawMoments() {
   if (!data.moments.length) return;
   const node = element(section('Key moments'), 'div', undefined, {className: 'moments'});
@@ -182,6 +203,7 @@ function drawConfiguration() {
 
 drawSummary();
 drawTrajectory();
+drawTracks();
 drawMoments();
 drawErrors();
 if (frameTimes.length) {

@@ -2,6 +2,9 @@
 #include "ydd/simulation/annotation.h"
 
 #include <algorithm>
+#include <set>
+
+#include <Eigen/Geometry>
 
 namespace ydd::sim {
 namespace {
@@ -40,6 +43,11 @@ MotionProbe::MotionProbe(const Scene& scene) {
           probe.points_body.push_back(part.mesh.positions[i].cast<double>());
         }
       }
+      Eigen::AlignedBox3d box;
+      for (const Eigen::Vector3d& p : probe.points_body) box.extend(p);
+      if (box.isEmpty()) continue;
+      probe.middle_body = box.center();
+      probe.volume_m3 = box.volume();
     }
   }
 }
@@ -64,6 +72,39 @@ std::vector<bool> MotionProbe::moving_objects(const Scene& scene, double time_s,
     }
   }
   return moving;
+}
+
+std::vector<std::optional<Eigen::Vector3d>> MotionProbe::middles(const Scene& scene,
+                                                                 double time_s) const {
+  struct Sum {
+    Eigen::Vector3d weighted = Eigen::Vector3d::Zero();
+    double weight = 0;
+  };
+  constexpr double kFlat_m3 = 1e-6;  // what is flat counts too
+  std::vector<Sum> sums(scene.objects.size());
+  for (std::size_t a = 0; a < actors_.size(); ++a) {
+    const std::vector<SE3> T = scene.actors[a].poses(time_s);
+    for (std::size_t b = 0; b < actors_[a].size(); ++b) {
+      const BodyProbe& probe = actors_[a][b];
+      const double weight = probe.volume_m3 + kFlat_m3;
+      std::set<int> objects;  // each once, however many parts it has on the body
+      for (int object : probe.objects) {
+        for (; object >= 0; object = scene.objects[static_cast<std::size_t>(object)].whole) {
+          objects.insert(object);
+        }
+      }
+      for (const int object : objects) {
+        Sum& sum = sums[static_cast<std::size_t>(object)];
+        sum.weighted += weight * (T[b] * probe.middle_body);
+        sum.weight += weight;
+      }
+    }
+  }
+  std::vector<std::optional<Eigen::Vector3d>> out(sums.size());
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    if (sums[i].weight > 0) out[i] = sums[i].weighted / sums[i].weight;
+  }
+  return out;
 }
 
 std::vector<SimulatedObject> visible_objects(const Rendering& rendering, const Scene& scene,

@@ -136,6 +136,30 @@ Timestamp Simulator::stamp(int index) const { return {kStart_ns + impl_->offset_
 
 SE3 Simulator::pose(int index) const { return impl_->path.T_world_camera(impl_->time_s(index)); }
 
+std::vector<SimulatedMover> Simulator::movers(int index) const {
+  const sim::Scene& scene = impl_->renderer.scene();
+  const double time_s = impl_->time_s(index);
+  const double half_s = 0.5 / impl_->options.fps;
+  const auto now = impl_->probe.middles(scene, time_s);
+  const auto before = impl_->probe.middles(scene, time_s - half_s);
+  const auto after = impl_->probe.middles(scene, time_s + half_s);
+  std::vector<SimulatedMover> out;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const sim::SceneObject& object = scene.objects[i];
+    if (!object.moving || object.whole >= 0 || !now[i]) continue;
+    out.push_back({object.class_name, object.name, object.id, *now[i],
+                   (*after[i] - *before[i]) / (2 * half_s)});
+  }
+  return out;
+}
+
+MotionSamples Simulator::motion_samples() const {
+  constexpr double kBefore_s = 0.5, kAfter_s = 0.05;
+  return sense_motion(impl_->path.T_world_camera, stamp(0), -kBefore_s,
+                      impl_->time_s(frame_count() - 1) + kAfter_s, impl_->options.sensors,
+                      impl_->options.seed);
+}
+
 SimulatedFrame Simulator::render(int index) const {
   if (index < 0 || index >= frame_count()) {
     throw std::logic_error("Simulator: no such frame");

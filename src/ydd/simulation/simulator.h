@@ -31,6 +31,14 @@ struct SimulatedFrame {
   Image<std::uint8_t> mask;              ///< id of what moves at some time, 0: static
 };
 
+/// A person or thing that moves at some time, where it is in the world: exactly.
+struct SimulatedMover {
+  std::string class_name, name;  ///< as in SimulatedObject
+  int id = 0;
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();      ///< of its bodies; the world's z is up
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< of that
+};
+
 /// A procedural RGB-D world with exact ground truth (see WorldOptions). Frames are random-access:
 /// `render(i)` gives the same bytes in any order, on any number of threads.
 /// Thread: `render` may run concurrently.
@@ -50,6 +58,11 @@ class Simulator {
   Timestamp stamp(int index) const;
   /// T_world_camera of a frame, exact.
   SE3 pose(int index) const;
+  /// Everything that moves at some time, whether the camera sees it or not, without heads and
+  /// hands.
+  std::vector<SimulatedMover> movers(int index) const;
+  /// What the sensors of motion say from half a second before the first frame until the last.
+  MotionSamples motion_samples() const;
   /// @throws std::logic_error unless 0 <= index < frame_count().
   SimulatedFrame render(int index) const;
 

@@ -161,6 +161,40 @@ TEST(Simulator, MasksAndBoxesAreThoseOfThePeople) {
   EXPECT_GE(parts, 5);
 }
 
+TEST(Simulator, MoversAreWhereThePictureShowsThem) {
+  WorldOptions options = small("static");
+  options.people = 3;
+  const Simulator simulator(options);
+  int seen = 0;
+  for (const int i : {0, 50, 110}) {
+    const SimulatedFrame frame = simulator.render(i);
+    const std::vector<SimulatedMover> before = simulator.movers(i - 1), now = simulator.movers(i),
+                                      after = simulator.movers(i + 1);
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      const Eigen::Vector3d step_m = after[k].middle_m - before[k].middle_m;
+      EXPECT_LT((now[k].velocity_m_s - step_m * options.fps / 2).norm(), 0.05) << now[k].name;
+      EXPECT_NE(now[k].class_name, "head");
+      if (now[k].class_name == "person") {
+        EXPECT_GT(now[k].middle_m.z(), 0.6) << "sitting or standing on the floor";
+        EXPECT_LT(now[k].middle_m.z(), 1.3);
+      }
+      const auto object =
+          std::find_if(frame.objects.begin(), frame.objects.end(),
+                       [&](const SimulatedObject& o) { return o.name == now[k].name; });
+      if (object == frame.objects.end() || object->pixels < 2000) continue;
+      const Box& box = object->box;
+      const bool whole = box.x0 > 1 && box.y0 > 1 && box.x1 < 319 && box.y1 < 239;
+      if (!whole) continue;
+      const Eigen::Vector3d p = frame.T_world_camera.inverse() * now[k].middle_m;
+      const Eigen::Vector2d px = simulator.camera().project(p);
+      EXPECT_TRUE(object->box.contains(static_cast<float>(px.x()), static_cast<float>(px.y())))
+          << object->name;
+      ++seen;
+    }
+  }
+  EXPECT_GE(seen, 3);
+}
+
 TEST(Simulator, OnlyMaskedPixelsChangeBeforeACameraThatStandsStill) {
   WorldOptions options = small("static");
   options.people = 4;

@@ -13,6 +13,7 @@
 #include <tbb/task_arena.h>
 
 #include "ydd/base/files.h"
+#include "ydd/dataset/motion_files.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/image/decode.h"
 #include "ydd/image/encode.h"
@@ -65,6 +66,15 @@ std::string lists_header(const char* what) {
   return fmt::format("# {} of a simulated sequence\n# timestamp filename\n", what);
 }
 
+/// For `--config`: where the sensors of motion are.
+std::string mounting_yaml() {
+  const ReckoningOptions mounting = simulated_mounting();
+  return fmt::format(
+      "# for ydd-slam run --config\nreckoning:\n  T_camera_imu: \"{}\"\n"
+      "  T_camera_base: \"{}\"\n",
+      mounting.T_camera_imu, mounting.T_camera_base);
+}
+
 Result<void> write_lists(const Simulator& simulator, const fs::path& folder,
                          const TumWriterOptions& options) {
   std::string rgb = lists_header("colour images");
@@ -81,6 +91,7 @@ Result<void> write_lists(const Simulator& simulator, const fs::path& folder,
     pairs += fmt::format("{} {}\n", colour_line, depth_line);
     truth.push_back({stamp, simulator.pose(i)});
   }
+  const MotionSamples motion = simulator.motion_samples();
   Camera camera = simulator.camera();
   OptionTable table;
   camera.describe(table);
@@ -91,6 +102,9 @@ Result<void> write_lists(const Simulator& simulator, const fs::path& folder,
       {"groundtruth.txt",
        "# timestamp tx ty tz qx qy qz qw\n" + format_trajectory(truth, TrajectoryFormat::tum)},
       {"camera.yaml", table.to_yaml()},
+      {"imu.csv", motion.imu.empty() ? "" : format_imu(motion.imu)},
+      {"odometry.txt", motion.odometry.empty() ? "" : format_odometry(motion.odometry)},
+      {"sensors.yaml", motion.empty() ? "" : mounting_yaml()},
       {"simulation.yaml", options.about}};
   for (const auto& [name, text] : files) {
     if (text.empty()) continue;

@@ -25,7 +25,8 @@ struct TumWriterOptions {
 
 /// Renders all frames into `folder` in the layout of the TUM RGB-D benchmark: rgb/, depth/ (16-bit
 /// PNG, 5000 a metre), mask/ (ids of what moves), rgb.txt, depth.txt, associations.txt,
-/// groundtruth.txt, detections.jsonl (exact boxes) and camera.yaml. Written beside it and renamed:
+/// groundtruth.txt, detections.jsonl (exact boxes), camera.yaml, and what sensors of motion say
+/// (imu.csv, odometry.txt, sensors.yaml). Written beside it and renamed:
 /// the folder is there whole or not at all. Fails if it exists already or cannot be written.
 Result<void> write_tum_sequence(const Simulator& simulator, const std::filesystem::path& folder,
                                 const TumWriterOptions& options);

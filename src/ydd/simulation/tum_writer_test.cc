@@ -8,8 +8,8 @@
 
 #include "ydd/dataset/camera_file.h"
 #include "ydd/dataset/trajectory.h"
-#include "ydd/dataset/tum_sequence.h"
 #include "ydd/detection/recorded_detections.h"
+#include "ydd/sources/source.h"
 
 namespace ydd {
 namespace {
@@ -48,7 +48,7 @@ TEST_F(TumWriter, WritesWhatTheReaderReads) {
   ASSERT_TRUE(written) << written.error().message;
   EXPECT_EQ(done, 3);
 
-  const Result<Sequence> sequence = Sequence::open(out, {});
+  const Result<Sequence> sequence = open_sequence(out);
   ASSERT_TRUE(sequence) << sequence.error().message;
   ASSERT_EQ(sequence->size(), 3U);
   const Result<Camera> camera = find_camera(out);
@@ -85,7 +85,7 @@ TEST_F(TumWriter, WritesJpegToo) {
   ASSERT_TRUE(write_tum_sequence(Simulator(options_), out, writing));
   EXPECT_TRUE(fs::exists(out / "rgb" / "1700000000.000000.jpg"));
   EXPECT_TRUE(fs::exists(out / "mask" / "1700000000.000000.png"));
-  EXPECT_TRUE(Sequence::open(out, {}));
+  EXPECT_TRUE(open_sequence(out));
 }
 
 TEST_F(TumWriter, LeavesAnExistingFolderAlone) {

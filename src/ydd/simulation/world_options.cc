@@ -34,6 +34,7 @@ void WorldOptions::describe(OptionTable& t) {
   t.add("exposure_noise", exposure_noise, {0.0, 0.5}, "", "standard deviation of a frame's gain");
   t.add("covered_from", covered_from, {0, 1e6}, "", "first frame with a covered (black) lens");
   t.add("covered_frames", covered_frames, {0, 1e6}, "", "number of frames with a covered lens");
+  t.group("sensors", sensors);
   t.add("edge_samples", edge_samples, {1, 16}, "", "extra samples of pixels on edges");
   t.add("threads", threads, {0, 256}, "",
         "of the renderer; 0: all cores; no influence on pictures");

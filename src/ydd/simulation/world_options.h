@@ -5,6 +5,7 @@
 
 #include "ydd/base/options.h"
 #include "ydd/geometry/camera.h"
+#include "ydd/simulation/motion_sensors.h"
 
 namespace ydd {
 
@@ -50,6 +51,8 @@ struct WorldOptions {
   double exposure_noise = 0.0;
   int covered_from = 0;    ///< first frame with a covered lens
   int covered_frames = 0;  ///< how many
+
+  MotionSensorOptions sensors;  ///< of motion, besides the camera
 
   int edge_samples = 4;
   int threads = 1;

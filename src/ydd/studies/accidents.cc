@@ -40,6 +40,16 @@ CameraPath turned_away(const CameraPath& walk) {
   };
 }
 
+/// Turns right round within two seconds: 180 degrees a second, and on.
+CameraPath turned_round(const CameraPath& walk) {
+  return [walk](double t) {
+    const double share = std::clamp((t - 6.0) / 2.0, 0.0, 1.0);
+    const double smooth = share * share * (3.0 - 2.0 * share);
+    const Eigen::Vector3d turn(0.0, 2.0 * std::numbers::pi * smooth, 0.0);
+    return walk(std::min(t, 6.0) + std::max(t - 8.0, 0.0)) * SE3(so3_exp(turn), {0, 0, 0});
+  };
+}
+
 bool within(const SimulatedFrame& frame, double fps, double from_s, double until_s) {
   const double time_s = static_cast<double>(frame.frame.index) / fps;
   return time_s >= from_s && time_s < until_s;
@@ -95,6 +105,9 @@ const Accident kAccidents[] = {
     {"kidnapped to a place already seen", 8.0, 8.0, 11.0, &to_seen_place, &as_seen},
     {"kidnapped to an unseen place, walks on to a seen one", 5.0, 5.0, 22.0, &to_unseen_place,
      &as_seen},
+    {"lens covered for 5 s while walking", 6.0, 11.0, 16.0, &as_walked, &covered},
+    {"people hide everything for 5 s while walking", 6.0, 11.0, 16.0, &as_walked, &crowded},
+    {"turns right round in 2 s", 6.0, 8.0, 12.0, &turned_round, &as_seen},
 };
 
 double error_m(const SimulatedRun& run, std::size_t i) {
@@ -113,6 +126,8 @@ std::span<const Accident> accidents() { return kAccidents; }
 AccidentOutcome outcome_of(const SimulatedRun& run, const Accident& accident, double fps) {
   AccidentOutcome out;
   out.ate_m = run.ate_m();
+  out.with_pose_share = static_cast<double>(run.trajectory.size()) /
+                        static_cast<double>(std::max<std::size_t>(1, run.steps.size()));
   for (const CheckedLoop& loop : run.loops) {
     if (loop.report.merged && !loop.is_false()) out.merged = true;
     if (loop.is_false()) out.wrong = true;
@@ -128,13 +143,18 @@ AccidentOutcome outcome_of(const SimulatedRun& run, const Accident& accident, do
   return out;
 }
 
-Result<AccidentOutcome> suffer(const Accident& accident, WorldOptions world,
-                               const SystemOptions& options) {
+Result<AccidentOutcome> suffer(const Accident& accident, WorldOptions world, SystemOptions options,
+                               Senses senses) {
   const CameraPath walk = make_camera_path(world).T_world_camera;
   world.frames = static_cast<int>(accident.length_s * world.fps);
+  if (senses != Senses::imu && senses != Senses::both) world.sensors.imu_hz = 0;
+  if (senses != Senses::wheels && senses != Senses::both) world.sensors.odometry_hz = 0;
+  options.reckoning.T_camera_imu = simulated_mounting().T_camera_imu;
+  options.reckoning.T_camera_base = simulated_mounting().T_camera_base;
+  const Simulator simulator(world, accident.path(walk));
   const Result<SimulatedRun> run =
-      run_simulated(Simulator(world, accident.path(walk)), options,
-                    accident.edit(world.fps, accident.from_s, accident.until_s));
+      run_simulated(simulator, options, accident.edit(world.fps, accident.from_s, accident.until_s),
+                    {}, simulator.motion_samples());
   if (!run) return run.error();
   return outcome_of(*run, accident, world.fps);
 }

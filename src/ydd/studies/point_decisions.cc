@@ -15,6 +15,7 @@
 #include "ydd/features/orb_extractor.h"
 #include "ydd/image/decode.h"
 #include "ydd/objects/box_carrier.h"
+#include "ydd/sources/source.h"
 
 namespace ydd {
 namespace {
@@ -22,7 +23,8 @@ namespace {
 /// The mask beside a colour image: instance of what moves at every pixel.
 Result<GreyImage> load_mask(const Sequence& sequence, std::size_t i) {
   const std::filesystem::path file =
-      sequence.folder() / "mask" / (sequence.entry(i).colour_file.stem().string() + ".png");
+      sequence.place() / "mask" /
+      (std::filesystem::path(sequence.entry(i).colour_name).stem().string() + ".png");
   const Result<ColourImage> image = load_colour(file);
   if (!image) return image.error();
   std::vector<std::uint8_t> ids;
@@ -110,9 +112,9 @@ class JudgeWithEvidence {
 Result<PointDecisions> decide_points(const std::filesystem::path& folder,
                                      const std::filesystem::path& detections_file,
                                      const SystemOptions& options, int latency_frames) {
-  Result<Sequence> sequence = Sequence::open(folder);
+  Result<Sequence> sequence = open_sequence(folder);
   if (!sequence) return sequence.error();
-  const Result<Camera> camera = find_camera(folder);
+  const Result<Camera> camera = find_camera(sequence->recording());
   if (!camera) return camera.error();
   Result<RecordedDetector> recorded = recorded_boxes(detections_file);
   if (!recorded) return recorded.error();

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ydd/evaluation/ate.h"
+#include "ydd/system/motion_feed.h"
 
 namespace ydd {
 namespace {
@@ -40,21 +41,25 @@ double cpu_ms_of(const FrameReport& report) {
 
 Result<SimulatedRun> run_frames(const Simulator& simulator,
                                 const std::function<SimulatedFrame(int)>& frame_at,
-                                const SystemOptions& options, const StepDone& done) {
+                                const SystemOptions& options, const StepDone& done,
+                                MotionSamples senses) {
   Detections boxes;
   const auto laid_out = std::make_shared<const Detections* const>(&boxes);
   SlamSystem system(simulator.camera(), options, ObjectCatalogue::defaults(),
                     std::make_unique<LaidOutBoxes>(laid_out));
+  MotionFeed motion(std::move(senses));
   SimulatedRun run;
   for (int i = 0; i < simulator.frame_count(); ++i) {
     const SimulatedFrame frame = frame_at(i);
     boxes = boxes_of(frame);
+    motion.until(frame.frame.stamp, system);
     const Result<FrameReport> report = system.process(frame.frame);
     if (!report) return report.error();
     const auto atlas = system.atlas();
     run.truth.push_back({frame.frame.stamp, frame.T_world_camera});
     run.steps.push_back({report->track.state, report->track.T_world_camera, frame.T_world_camera,
-                         cpu_ms_of(*report), atlas->keyframes().size(), atlas->points().size()});
+                         cpu_ms_of(*report), atlas->keyframes().size(), atlas->points().size(),
+                         report->tracks, frame.objects});
     if (done) done(i, run.steps.back());
   }
   if (auto r = system.finish(); !r) return r.error();
@@ -79,13 +84,14 @@ double SimulatedRun::ate_m() const {
 }
 
 Result<SimulatedRun> run_simulated(const Simulator& simulator, const SystemOptions& options,
-                                   const FrameEdit& edit, const StepDone& done) {
+                                   const FrameEdit& edit, const StepDone& done,
+                                   MotionSamples senses) {
   const auto frame_at = [&](int i) {
     SimulatedFrame frame = simulator.render(i);
     if (edit) edit(frame);
     return frame;
   };
-  return run_frames(simulator, frame_at, options, done);
+  return run_frames(simulator, frame_at, options, done, std::move(senses));
 }
 
 FrameStore::FrameStore(const Simulator& simulator) : simulator_(&simulator) {
@@ -94,7 +100,7 @@ FrameStore::FrameStore(const Simulator& simulator) : simulator_(&simulator) {
 
 Result<SimulatedRun> FrameStore::run(const SystemOptions& options) const {
   const auto frame_at = [this](int i) { return frames_[static_cast<std::size_t>(i)]; };
-  return run_frames(*simulator_, frame_at, options, {});
+  return run_frames(*simulator_, frame_at, options, {}, {});
 }
 
 }  // namespace ydd

@@ -17,6 +17,8 @@ struct SimulatedStep {
   SE3 T_true_camera;   ///< in the simulator's world
   double cpu_ms = 0;   ///< of the tracking thread
   std::size_t keyframes = 0, points = 0;
+  std::vector<WorldTrack> tracks;        ///< as they were told then
+  std::vector<SimulatedObject> visible;  ///< what there was to see
 };
 
 /// A loop or merge held against the truth.
@@ -43,9 +45,11 @@ using FrameEdit = std::function<void(SimulatedFrame&)>;
 /// Told after every frame.
 using StepDone = std::function<void(int index, const SimulatedStep& step)>;
 
-/// Feeds a simulated camera to the system, from memory, with the exact boxes as detections.
+/// Feeds a simulated camera to the system, from memory, with the exact boxes as detections, and
+/// with what other senses say (`options` must know their mounting).
 Result<SimulatedRun> run_simulated(const Simulator& simulator, const SystemOptions& options,
-                                   const FrameEdit& edit = {}, const StepDone& done = {});
+                                   const FrameEdit& edit = {}, const StepDone& done = {},
+                                   MotionSamples senses = {});
 
 /// Renders each frame once, for several runs over the same world. Keeps them all in memory.
 class FrameStore {

@@ -53,6 +53,8 @@ SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
       judge_(options_.dynamics, std::move(catalogue)),
       evidence_(options_.dynamics.evidence, camera_),
       tracker_(options_.tracking, map && !map->keyframes().empty()),
+      followed_(camera_, judge_.catalogue(), options_.dynamics.evidence.noise, options_.tracks),
+      reckoning_(options_.reckoning),
       mapping_(make_mapping(initial_atlas(camera, options_, std::move(map)), options_)) {
   if (!detector) return;
   if (options_.detect.asynchronous()) {
@@ -72,29 +74,36 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
   StageTimer total_timer(total, "total");
   if (detector_) detector_->start(frame);
   const auto features = std::make_shared<const Features>(extract(frame, report));
+  look_for_motion(frame, features, report);  // while the detector still works
   Result<Detections> detections = join_detections(frame, report);
   if (!detections) return detections.error();
   report.detections = std::move(*detections);
-  judge(frame, features, report);
-  if (auto r = track(frame, report); !r) return r.error();
+  judge(frame, *features, report);
+  const std::shared_ptr<const Atlas> known = atlas();
+  if (auto r = track(frame, *known, report); !r) return r.error();
   settle_evidence(report);
+  follow_objects(frame, *known, report);
+  settle_reckoning(report);
   if (saver_) saver_->offer(atlas());
   total_timer.stop();
   report.times.push_back(total.front());
   return report;
 }
 
-void SlamSystem::judge(const RgbdFrame& frame, const std::shared_ptr<const Features>& features,
-                       FrameReport& report) {
-  if (variant() == Variant::evidence) {
-    StageTimer timer(report.times, "evidence");
-    report.odds =
-        std::make_shared<const MotionOdds>(evidence_.look(features, frame.depth_m, frame.stamp));
-  }
+void SlamSystem::look_for_motion(const RgbdFrame& frame,
+                                 const std::shared_ptr<const Features>& features,
+                                 FrameReport& report) {
+  if (variant() != Variant::evidence) return;
+  StageTimer timer(report.times, "evidence");
+  report.odds =
+      std::make_shared<const MotionOdds>(evidence_.look(features, frame.depth_m, frame.stamp));
+}
+
+void SlamSystem::judge(const RgbdFrame& frame, const Features& features, FrameReport& report) {
   StageTimer timer(report.times, "dynamics");
-  report.judgement = judge_.judge(*features, report.detections, frame.depth_m, report.odds.get());
+  report.judgement = judge_.judge(features, report.detections, frame.depth_m, report.odds.get());
   report.filtered =
-      std::make_shared<const FilteredFeatures>(filter_features(*features, report.judgement));
+      std::make_shared<const FilteredFeatures>(filter_features(features, report.judgement));
 }
 
 void SlamSystem::settle_evidence(FrameReport& report) {
@@ -103,6 +112,25 @@ void SlamSystem::settle_evidence(FrameReport& report) {
   if (!report.track.doubt.empty()) return evidence_.withhold(report.track.T_camera_last);
   evidence_.settle(report.track.T_camera_last,
                    prior_of_cells(report.judgement.regions, *report.odds));
+}
+
+void SlamSystem::follow_objects(const RgbdFrame& frame, const Atlas& known, FrameReport& report) {
+  StageTimer timer(report.times, "tracks");
+  const TrackResult& track = report.track;
+  const SightedFrame sighted{report.judgement, report.detections, frame.depth_m, report.odds.get()};
+  const bool believed =
+      track.state == TrackingState::tracking && track.reference.valid() && !track.reckoned;
+  report.tracks =
+      believed ? followed_.see(frame.stamp, sighted, known,
+                               {track.reference, track.T_reference_camera, track.T_world_camera})
+               : followed_.coast(frame.stamp, known);
+}
+
+/// What was seen teaches the senses of motion.
+void SlamSystem::settle_reckoning(const FrameReport& report) {
+  const TrackResult& track = report.track;
+  const bool seen = track.reference.valid() && !track.reckoned;
+  if (seen && reckoning_.has_samples()) reckoning_.see(report.stamp, track.T_camera_seen);
 }
 
 Features SlamSystem::extract(const RgbdFrame& frame, FrameReport& report) {
@@ -127,12 +155,13 @@ Result<Detections> SlamSystem::join_detections(const RgbdFrame& frame, FrameRepo
   return std::move(answer.detections);
 }
 
-Result<void> SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
+Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, FrameReport& report) {
   TrackedFrame tracked;
   tracked.index = frame.index;
   tracked.stamp = frame.stamp;
   tracked.shared_features = report.filtered->kept;
   tracked.odds = report.odds;
+  tracked.reckoned = reckoning_.since_seen(frame.stamp);
   const RepeatedPictures::Verdict repeated = repeated_pictures_.look(frame);
   tracked.stale = repeated.stale;
   tracked.doubt = repeated.doubt;
@@ -144,7 +173,7 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, FrameReport& report) {
     StageTimer timer(report.times, "grid");
     tracked.grid = std::make_shared<const KeypointGrid>(*report.filtered->kept, camera_);
   }
-  report.track = tracker_.track(std::move(tracked), *mapping_->atlas(), mapping_->idle());
+  report.track = tracker_.track(std::move(tracked), known, mapping_->idle());
   auto& times = report.track.times;
   report.times.insert(report.times.end(), times.begin(), times.end());
   report.points = report.track.points;
@@ -178,6 +207,8 @@ void SlamSystem::reset() {
   judge_ = DynamicsJudge(options_.dynamics, judge_.catalogue());
   judge_.set_variant(variant);
   evidence_.clear();
+  followed_.clear();
+  reckoning_.clear();
   if (asynchronous_) asynchronous_->forget();
   repeated_pictures_ = {};
   trajectory_.clear();

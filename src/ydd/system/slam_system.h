@@ -12,6 +12,7 @@
 #include "ydd/dynamics/judge.h"
 #include "ydd/evidence/motion_evidence.h"
 #include "ydd/system/detector_runner.h"
+#include "ydd/system/followed_objects.h"
 #include "ydd/system/map_saver.h"
 #include "ydd/system/mapping_runner.h"
 #include "ydd/system/repeated_pictures.h"
@@ -31,6 +32,7 @@ struct FrameReport {
   Judgement judgement;
   std::shared_ptr<const FilteredFeatures> filtered;
   std::vector<MapPointId> points;  ///< per kept keypoint
+  std::vector<WorldTrack> tracks;  ///< people and moving things, in the world of T_world_camera
   StageTimes times;                ///< of this frame, in order; "total" last
 };
 
@@ -57,6 +59,11 @@ class SlamSystem {
   /// Fails when the detector cannot judge the frame, or when one of the threads inside has failed;
   /// what was tracked before stays as it is.
   Result<FrameReport> process(const RgbdFrame& frame);
+
+  /// What motion sensors say, in the order of time and up to a frame before that frame; mountings
+  /// are options (`reckoning`).
+  void add(const ImuSample& sample) { reckoning_.add(sample); }
+  void add(const OdometryPose& pose) { reckoning_.add(pose); }
 
   /// What is rejected from the next frame on.
   void set_variant(Variant variant);
@@ -99,10 +106,13 @@ class SlamSystem {
  private:
   Features extract(const RgbdFrame& frame, FrameReport& report);
   Result<Detections> join_detections(const RgbdFrame& frame, FrameReport& report);
-  void judge(const RgbdFrame& frame, const std::shared_ptr<const Features>& features,
-             FrameReport& report);
-  Result<void> track(const RgbdFrame& frame, FrameReport& report);
+  void look_for_motion(const RgbdFrame& frame, const std::shared_ptr<const Features>& features,
+                       FrameReport& report);
+  void judge(const RgbdFrame& frame, const Features& features, FrameReport& report);
+  Result<void> track(const RgbdFrame& frame, const Atlas& known, FrameReport& report);
   void settle_evidence(FrameReport& report);
+  void follow_objects(const RgbdFrame& frame, const Atlas& known, FrameReport& report);
+  void settle_reckoning(const FrameReport& report);
   MapId main_map() const;
 
   Camera camera_;
@@ -111,6 +121,8 @@ class SlamSystem {
   DynamicsJudge judge_;
   MotionEvidence evidence_;
   Tracker tracker_;
+  FollowedObjects followed_;
+  DeadReckoning reckoning_;
   std::unique_ptr<MappingRunner> mapping_;
   std::unique_ptr<DetectorRunner> detector_;             // of every frame
   std::unique_ptr<AsynchronousDetection> asynchronous_;  // or this

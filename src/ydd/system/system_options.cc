@@ -14,10 +14,12 @@ void SystemOptions::describe(OptionTable& t) {
   t.group("orb", orb);
   t.group("dynamics", dynamics);
   t.group("tracking", tracking);
+  t.group("reckoning", reckoning);
   t.group("mapping", mapping);
   t.group("loop", loop);
   t.group("detect", detect);
   t.group("map", map);
+  t.group("tracks", tracks);
   t.add("close_depth_m", close_depth_m, {0.1, 100.0}, "m",
         "nearer readings become points at once and count when keyframes are compared");
   t.add("deterministic", deterministic, "map in the tracking thread: two runs give equal bytes");

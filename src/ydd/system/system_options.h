@@ -9,8 +9,10 @@
 #include "ydd/features/orb_extractor.h"
 #include "ydd/loop/loop_closer.h"
 #include "ydd/mapping/mapper.h"
+#include "ydd/reckoning/reckoning_options.h"
 #include "ydd/system/detector_runner.h"
 #include "ydd/tracking/tracker.h"
+#include "ydd/tracks/track_options.h"
 
 namespace ydd {
 
@@ -26,10 +28,12 @@ struct SystemOptions {
   OrbOptions orb;
   DynamicsOptions dynamics;
   TrackerOptions tracking;
+  ReckoningOptions reckoning;
   MapperOptions mapping;
   LoopOptions loop;
   DetectOptions detect;
   MapOptions map;
+  WorldTrackOptions tracks;
   /// Readings up to here tell of their point's place by themselves: they become points at once.
   double close_depth_m = 3.0;
   bool deterministic = false;

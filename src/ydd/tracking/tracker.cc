@@ -77,6 +77,7 @@ TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_i
       return finish_coasting(std::move(bare), atlas, std::move(result), kDepthContradicts);
     }
   }
+  if (std::optional<TrackResult> reckoned = finish_reckoned(frame, result)) return *reckoned;
   if (doubt_.pending() && !doubt_.lasts_too_long(frame.stamp)) {
     return finish_doubted(std::move(frame), atlas, std::move(result), doubt_.reason());
   }
@@ -90,6 +91,7 @@ bool Tracker::find_pose(const Atlas& atlas, TrackedFrame& frame, TrackResult& re
   if (!pose) return false;
   result.motion_inliers = static_cast<int>(pose->inliers.size());
   assign(*pose, frame);
+  if (!is_where_reckoned(frame)) return false;
   const StageTimer local_timer(result.times, "local_map");
   return track_local_map(atlas, frame, result);
 }
@@ -100,7 +102,7 @@ TrackResult Tracker::conclude(TrackedFrame frame, const Atlas& atlas, TrackResul
     return finish_doubted(std::move(frame), atlas, std::move(result),
                           "the pose jumps as no body moves");
   }
-  const bool contradicts = depth_is_doubtful(atlas, frame);
+  const bool contradicts = !is_just_found(frame) && depth_is_doubtful(atlas, frame);
   const bool doubted = contradicts || !frame.doubt.empty();
   if (doubted && !doubt_.lasts_too_long(frame.stamp)) {
     const std::string doubt = frame.doubt.empty() ? kDepthContradicts : frame.doubt;
@@ -111,10 +113,7 @@ TrackResult Tracker::conclude(TrackedFrame frame, const Atlas& atlas, TrackResul
 
 TrackResult Tracker::initialize(TrackedFrame frame) {
   TrackResult result;
-  const Features& f = frame.features();
-  const auto with_depth =
-      std::count_if(f.depth_m.begin(), f.depth_m.end(), [](float depth_m) { return depth_m > 0; });
-  if (with_depth < options_.min_initial_points || localization_only_) return result;
+  if (!shows_enough(frame) || localization_only_) return result;
   frame.T_camera_world = SE3();
   last_ = frame;
   last_candidate_stamp_ = frame.stamp;
@@ -166,7 +165,7 @@ std::optional<PoseFromMatches> Tracker::initial_pose(const TrackedFrame& frame,
 std::optional<PoseFromMatches> Tracker::pose_by_motion(const TrackedFrame& frame,
                                                        const Atlas& atlas) const {
   TrackedFrame predicted = frame;
-  predicted.T_camera_world = predicted_motion(frame.stamp) * last_->T_camera_world;
+  predicted.T_camera_world = predicted_motion(frame) * last_->T_camera_world;
   const auto search = [&](double radius_px) {
     return search_last_frame(atlas, *last_, predicted, radius_px, options_.close_depth_m,
                              options_.match);
@@ -214,7 +213,10 @@ std::optional<PoseFromMatches> Tracker::pose_by_relocalization(const TrackedFram
   // every other one.
   auto found = relocalize(atlas, frame, recent_keyframes(atlas, last_reference_),
                           options_.relocalization, options_.pose, options_.match);
-  if (!found) {
+  if (!found && is_reckoned(frame)) {  // which of two alike places it is, the senses know
+    found = relocalize(atlas, frame, similar_places(frame, atlas), options_.relocalization,
+                       options_.pose, options_.match);
+  } else if (!found) {
     found = relocalize_uniquely(atlas, frame, similar_places(frame, atlas), options_.relocalization,
                                 options_.pose, options_.match);
   }
@@ -339,13 +341,10 @@ KeyframeSituation Tracker::situation(const Atlas& atlas, const TrackedFrame& fra
 
 TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
                                     bool mapper_idle) {
-  if (state_ == TrackingState::lost) log::info("frame {}: tracking again", frame.index);
-  const bool consecutive = state_ == TrackingState::tracking;
-  T_camera_last_ = consecutive
-                       ? std::optional(frame.T_camera_world * last_->T_camera_world.inverse())
-                       : std::nullopt;
-  motion_interval_s_ = consecutive ? seconds_between(last_->stamp, frame.stamp) : 0;
-  result.T_camera_last = T_camera_last_;
+  if (state_ == TrackingState::lost || T_reckoned_last_) {
+    log::info("frame {}: tracking again", frame.index);
+  }
+  take_motion(frame, result);
   state_ = result.state = TrackingState::tracking;
   lost_since_.reset();
   last_reference_ = result.reference;
@@ -362,16 +361,6 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   last_ = std::move(frame);
   timer.stop();
   return result;
-}
-
-SE3 Tracker::predicted_motion(Timestamp now) const {
-  if (!T_camera_last_) return {};
-  const double interval_s = seconds_between(last_->stamp, now);
-  if (motion_interval_s_ <= 0 || interval_s <= 0) return *T_camera_last_;
-  // Frames that were dropped make it longer; nobody keeps a speed for long.
-  constexpr double kLongest = 4.0;
-  const double intervals = std::min(kLongest, interval_s / motion_interval_s_);
-  return SE3::exp(intervals * T_camera_last_->log());
 }
 
 bool Tracker::moves_as_a_body(const TrackedFrame& frame) const {
@@ -419,9 +408,7 @@ TrackResult Tracker::finish_coasting(TrackedFrame frame, const Atlas& atlas, Tra
   result.T_world_camera = frame.T_camera_world.inverse();
   result.T_reference_camera =
       atlas.at(result.reference).T_world_camera.inverse() * result.T_world_camera;
-  T_camera_last_ = frame.T_camera_world * last_->T_camera_world.inverse();
-  motion_interval_s_ = seconds_between(last_->stamp, frame.stamp);
-  result.T_camera_last = T_camera_last_;
+  take_motion(frame, result);
   last_reference_ = result.reference;
   T_reference_last_ = result.T_reference_camera;
   last_ = colour_only(std::move(frame));
@@ -460,6 +447,8 @@ TrackResult Tracker::finish_lost(TrackedFrame frame, const Atlas& atlas, TrackRe
   if (!lost_since_) lost_since_ = frame.stamp;
   state_ = result.state = TrackingState::lost;
   T_camera_last_.reset();
+  T_reckoned_last_.reset();
+  unknown_since_.reset();
   // A young map is worth no waiting; if it shows the same room it is merged later.
   const bool young = !doubt_.pending() && is_young(atlas);
   const double wait_s = young ? 0 : options_.new_map_after_s;

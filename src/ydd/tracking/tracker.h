@@ -19,7 +19,8 @@ namespace ydd {
 enum class TrackingState {
   initializing,  ///< no map yet
   tracking,
-  coasting,  ///< what the sensor says is in doubt: nothing of it enters the map
+  coasting,  ///< what the sensor says is in doubt, or it shows nothing known and other senses tell
+             ///< the pose: nothing of it enters the map
   lost,      ///< the map exists, the camera's place in it is unknown
 };
 std::string_view to_string(TrackingState state);
@@ -40,6 +41,7 @@ struct TrackerOptions {
   int place_candidates = 5;
   double new_map_after_s = 3.0;
   int young_map_keyframes = 5;
+  double map_reckoned_after_s = 0.5;
   DoubtOptions doubt;
   void describe(OptionTable& table);
 };
@@ -51,11 +53,13 @@ struct TrackResult {
                          ///< coasting, where the colour image alone tells the pose
   std::string doubt;     ///< why it coasts
   SE3 T_reference_camera;
-  std::optional<SE3> T_camera_last;  ///< the camera's motion since the last frame with a pose
-  int motion_inliers = 0;            ///< points that agree with the first pose estimate
-  int inliers = 0;                   ///< map points that agree with the final pose
-  int local_points = 0;              ///< size of the local map
-  std::vector<MapPointId> points;    ///< per keypoint of the frame
+  std::optional<SE3> T_camera_last;        ///< the camera's motion since the last frame with a pose
+  std::optional<SE3> T_camera_seen;        ///< the same since the last frame whose pose was seen
+  std::optional<ReckonedMotion> reckoned;  ///< what the pose is from, where it was not seen
+  int motion_inliers = 0;                  ///< points that agree with the first pose estimate
+  int inliers = 0;                         ///< map points that agree with the final pose
+  int local_points = 0;                    ///< size of the local map
+  std::vector<MapPointId> points;          ///< per keypoint of the frame
   std::optional<KeyFrameCandidate> candidate;
   StageTimes times;
 };
@@ -124,9 +128,16 @@ class Tracker {
   TrackResult finish_lost(TrackedFrame frame, const Atlas& atlas, TrackResult result);
   TrackResult finish_doubted(TrackedFrame frame, const Atlas& atlas, TrackResult result,
                              std::string doubt);  // a copy: often the reason that is replaced
+  std::optional<TrackResult> finish_reckoned(TrackedFrame frame, const TrackResult& failed);
+  void map_reckoned(TrackedFrame frame, TrackResult& result);
+  bool shows_enough(const TrackedFrame& frame) const;
+  bool is_reckoned(const TrackedFrame& frame) const;
+  bool is_just_found(const TrackedFrame& frame) const;
+  bool is_where_reckoned(const TrackedFrame& frame) const;
+  void take_motion(const TrackedFrame& frame, TrackResult& result);
   bool moves_as_a_body(const TrackedFrame& frame) const;
   bool depth_is_doubtful(const Atlas& atlas, TrackedFrame& frame);
-  SE3 predicted_motion(Timestamp now) const;
+  SE3 predicted_motion(const TrackedFrame& frame) const;
   bool is_young(const Atlas& atlas) const;
 
   TrackerOptions options_;
@@ -134,8 +145,11 @@ class Tracker {
   std::optional<TrackedFrame> last_;  ///< the last frame with a pose
   KeyFrameId last_reference_;
   SE3 T_reference_last_;
-  std::optional<SE3> T_camera_last_;  ///< velocity: motion over the last frame interval, ...
-  double motion_interval_s_ = 0;      ///< ... which took so long
+  std::optional<SE3> T_camera_last_;    ///< velocity: motion over the last frame interval, ...
+  double motion_interval_s_ = 0;        ///< ... which took so long
+  std::optional<SE3> T_reckoned_last_;  ///< what `last_` is to the newest frame, which saw nothing
+  std::optional<Timestamp> unknown_since_;  ///< when such frames began to show enough for a map
+  std::optional<Timestamp> found_again_;    ///< the last time that this had an end
   DepthWatch depth_watch_;
   std::vector<PointMatch> local_matches_;  ///< of this frame, also those that the pose left out
   Doubt doubt_;

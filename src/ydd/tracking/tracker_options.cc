@@ -41,6 +41,8 @@ void TrackerOptions::describe(OptionTable& t) {
         "a new map is started when the camera has been lost for so long");
   t.add("young_map_keyframes", young_map_keyframes, {0, 1000}, "keyframes",
         "a map of so few that is lost is not waited for: a new one starts at once");
+  t.add("map_reckoned_after_s", map_reckoned_after_s, {0.0, 60.0}, "s",
+        "where motion sensors tell the pose: an unknown view enters the map after so long");
   t.group("doubt", doubt);
 }
 

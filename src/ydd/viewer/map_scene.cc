@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "ydd/geometry/world_up.h"
 #include "ydd/live/live_truth.h"
-#include "ydd/viewer/world_up.h"
 
 namespace ydd {
 namespace {

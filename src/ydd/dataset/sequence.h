@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ydd/base/options.h"
+#include "ydd/base/result.h"
+#include "ydd/base/timestamp.h"
+#include "ydd/dataset/pairing.h"
+#include "ydd/dataset/recording.h"
+#include "ydd/geometry/camera.h"
+#include "ydd/image/rgbd_frame.h"
+
+namespace ydd {
+
+struct SequenceOptions {
+  double max_difference_s = 0.02;
+  int first_frame = 0;             ///< earlier ones are left out; this one then has index 0
+  int max_frames = 0;              ///< as many frames at most; 0: all
+  std::string associations = {};   ///< file of "stamp colour stamp depth" lines; empty: as the
+                                   ///< recording says, else by time
+  std::string depth_offset = "0";  ///< seconds added to depth stamps before pairing, or "auto"
+  std::string source = {};         ///< name of the source; empty: told by what lies there
+  std::string topic_colour = {};   ///< of a bag; empty: told by encodings and names
+  std::string topic_depth = {};
+  std::string topic_camera_info = {};
+
+  void describe(OptionTable& table);
+};
+
+/// A colour picture and the depth picture that belongs to it.
+struct SequenceEntry {
+  Timestamp stamp;  ///< of the colour picture
+  Timestamp depth_stamp;
+  std::size_t colour = 0, depth = 0;    ///< which of the recording's
+  std::string colour_name, depth_name;  ///< as messages call them; files where they are
+};
+
+/// The frames of a recording: its pictures, paired. Immutable; any thread may read.
+class Sequence {
+ public:
+  /// Pairs colour with depth, as the recording says or by time (one-to-one, `associate`). Pictures
+  /// are not opened, except to find the depth offset "auto".
+  static Result<Sequence> of(Recording recording, const SequenceOptions& options = {});
+
+  std::size_t size() const { return entries_.size(); }
+  const SequenceEntry& entry(std::size_t i) const { return entries_.at(i); }
+  const std::vector<SequenceEntry>& entries() const { return entries_; }
+
+  /// The folder or file that was opened.
+  const std::filesystem::path& place() const { return recording_.place; }
+  std::string name() const { return recording_.name(); }
+  const Recording& recording() const { return recording_; }
+  const std::optional<GroundTruth>& groundtruth() const { return recording_.groundtruth; }
+
+  /// How pairing by time went; nothing where the recording said what belongs together.
+  const std::optional<Pairing>& pairing() const { return pairing_; }
+
+  /// Decodes frame `i` (< size()). Both images must have the camera's size.
+  Result<RgbdFrame> read(std::size_t i, const Camera& camera) const;
+  /// The colour image of frame `i` alone, of whatever size.
+  Result<ColourImage> read_colour(std::size_t i) const;
+  /// The depth image of frame `i` as counts (DepthPicture::counts).
+  Result<RawDepthImage> read_depth_counts(std::size_t i) const;
+
+ private:
+  Recording recording_;
+  std::vector<SequenceEntry> entries_;
+  std::optional<Pairing> pairing_;
+};
+
+}  // namespace ydd

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "ydd/reckoning/motion_samples.h"
+
+namespace ydd {
+
+/// What an IMU adds up to between two moments, in its frame at the first of them and without
+/// gravity (Forster, Carlone, Dellaert, Scaramuzza, "On-Manifold Preintegration for Real-Time
+/// Visual-Inertial Odometry", T-RO 2017, equation 33).
+struct Preintegrated {
+  double duration_s = 0;
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< R_then_now
+  Eigen::Vector3d speed_m_s = Eigen::Vector3d::Zero();       ///< gained
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();         ///< by that gain alone
+  Eigen::Matrix3d speed_by_bias = Eigen::Matrix3d::Zero();   ///< derivative by the accelerometer's
+  Eigen::Matrix3d shift_by_bias = Eigen::Matrix3d::Zero();
+};
+
+/// Nothing when the samples (in the order of time) do not cover [from, to]: the first is later, or
+/// more than a tenth of a second passes without one. The last one holds until `to`.
+std::optional<Preintegrated> preintegrate(std::span<const ImuSample> samples, Timestamp from,
+                                          Timestamp to, const Eigen::Vector3d& gyro_bias_rad_s,
+                                          const Eigen::Vector3d& accel_bias_m_s2);
+
+}  // namespace ydd
