@@ -39,7 +39,9 @@ using WrittenMessages = std::vector<WrittenMessage>;
 
 inline std::string little(std::uint64_t value, std::size_t size) {
   std::string out;
-  for (std::size_t i = 0; i < size; ++i) out += static_cast<char>(value >> (8 * i));
+  for (std::size_t i = 0; i < size; ++i) {
+    out += static_cast<char>(i < sizeof value ? value >> (8 * i) : 0);
+  }
   return out;
 }
 inline std::string with_length(std::string_view text, std::size_t size = 4) {
