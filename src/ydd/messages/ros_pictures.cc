@@ -63,18 +63,25 @@ Error damaged(const StoredMessage& message) {
 std::string quote(std::string_view text) { return "'" + on_one_line(text.substr(0, 40)) + "'"; }
 
 /// Whether the rows are all there.
+bool has_rows(const ImageMessage& image, std::size_t pixel_size) {
+  return image.width_px > 0 && image.height_px > 0 && image.width_px <= kLargestSide_px &&
+         image.height_px <= kLargestSide_px && image.step >= image.width_px * pixel_size &&
+         image.data.size() >= std::size_t{image.step} * image.height_px;
+}
+
+std::string rows_text(const ImageMessage& image) {
+  return fmt::format("{}x{} {} with {} bytes a row does not fit {} bytes", image.width_px,
+                     image.height_px, quote(image.encoding), image.step, image.data.size());
+}
+
 Result<void> check_rows(const StoredMessage& message, const ImageMessage& image,
                         std::size_t pixel_size) {
-  const bool sane = image.width_px > 0 && image.height_px > 0 &&
-                    image.width_px <= kLargestSide_px && image.height_px <= kLargestSide_px;
-  if (!sane || image.step < image.width_px * pixel_size ||
-      image.data.size() < std::size_t{image.step} * image.height_px) {
-    return message_error(
-        message,
-        fmt::format("{}x{} {} with {} bytes a row does not fit {} bytes", image.width_px,
-                    image.height_px, quote(image.encoding), image.step, image.data.size()));
-  }
+  if (!has_rows(image, pixel_size)) return message_error(message, rows_text(image));
   return {};
+}
+
+Error damaged(const ImageMessage& image) {
+  return Error{"the message is damaged: " + rows_text(image)};
 }
 
 ColourImage decode_rows(const ImageMessage& image, const ColourEncoding& encoding) {
@@ -217,7 +224,7 @@ Result<void> check_lens(const CameraInfoMessage& info) {
   return Error{
       fmt::format("is of a lens {}{}; only pinhole with k1, k2, p1, p2, k3 is computed with: take "
                   "the rectified "
-                  "pictures, or give --camera",
+                  "pictures, or name a camera file",
                   quote(model), more ? " with more than five coefficients" : "")};
 }
 
@@ -267,6 +274,31 @@ Result<ColourPicture> colour_of(const StoredMessage& message) {
                        }};
 }
 
+Result<ColourImage> colour_of(const ImageMessage& image) {
+  const ColourEncoding* const encoding = colour_encoding(image.encoding);
+  if (!encoding) {
+    return Error{
+        fmt::format("colour images in {} are not read; rgb8, bgr8, rgba8, bgra8 and mono8 are",
+                    quote(image.encoding))};
+  }
+  if (!has_rows(image, encoding->size)) return damaged(image);
+  return decode_rows(image, *encoding);
+}
+
+Result<DepthImage> depth_of(const ImageMessage& image, const Camera& camera) {
+  const bool counts = is_counts(image.encoding);
+  if (!counts && !is_metres(image.encoding)) {
+    return Error{
+        fmt::format("depth images in {} are not read; 16UC1 (millimetres) and 32FC1 (metres) are",
+                    quote(image.encoding))};
+  }
+  if (!has_rows(image, counts ? 2 : 4)) return damaged(image);
+  if (!counts) return within_limits(numbers_of<float>(image), camera);
+  Camera in_mm = camera;
+  in_mm.depth_scale = 1000;
+  return to_metres(numbers_of<std::uint16_t>(image), in_mm);
+}
+
 Result<DepthPicture> depth_of(const StoredMessage& message) {
   return message.kind == MessageKind::compressed_image ? depth_of_compressed(message)
                                                        : depth_of_image(message);
@@ -279,7 +311,7 @@ Result<Camera> camera_of(const CameraInfoMessage& info, bool rectified) {
   camera.depth_scale = 1000;
   const bool by_p = rectified && info.p[0] > 0;
   if (!by_p && !(info.k[0] > 0)) {
-    return Error{"says that the camera was never calibrated (fx is 0); give --camera"};
+    return Error{"says that the camera was never calibrated (K is 0); name a camera file"};
   }
   if (by_p) {
     camera.fx_px = info.p[0], camera.cx_px = info.p[2];

@@ -36,6 +36,14 @@ Result<ColourPicture> colour_of(const StoredMessage& message);
 /// a / depth + b of these parameters a and b.
 Result<DepthPicture> depth_of(const StoredMessage& message);
 
+/// The same of a picture that is not compressed, at once. One line of failure says what it is and
+/// what is read.
+Result<ColourImage> colour_of(const ImageMessage& image);
+
+/// Metres; counts are millimetres whatever the camera's scale. Readings outside the camera's limits
+/// become 0.
+Result<DepthImage> depth_of(const ImageMessage& image, const Camera& camera);
+
 /// A camera of a depth scale of 1000. `rectified`: of pictures that have no distortion any more (P
 /// instead of K and D). Fails for lenses that are not pinhole with k1, k2, p1, p2, k3, and for a
 /// camera that was never calibrated (all 0).

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/robot/robot_port.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "ydd/base/guard.h"
 #include "ydd/image/decode.h"
+#include "ydd/messages/ros_pictures.h"
 #include "ydd/pictures/annotate.h"
 #include "ydd/robot/robot_setup.h"
 #include "ydd/system/track_recorder.h"
@@ -38,14 +41,27 @@ std::array<double, 36> port_matrix(const Matrix6d& m) {
   return out;
 }
 
-SensorImage from_port(const PortImage& image) {
-  return {image.width_px,   image.height_px,
-          image.step_bytes, image.encoding,
-          image.big_endian, std::span(image.bytes, image.bytes == nullptr ? 0 : image.size_bytes)};
+ImageMessage from_port(const PortImage& image) {
+  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
+  ImageMessage out;
+  // What is below 0 is too much as well.
+  out.width_px = static_cast<std::uint32_t>(image.width_px);
+  out.height_px = static_cast<std::uint32_t>(image.height_px);
+  out.step = static_cast<std::uint32_t>(std::min(image.step_bytes, kMost));
+  out.encoding = image.encoding;
+  out.big_endian = image.big_endian;
+  if (image.bytes) out.data = {reinterpret_cast<const char*>(image.bytes), image.size_bytes};
+  return out;
 }
 
-SensorCalibration from_port(const PortCalibration& c) {
-  return {c.width_px, c.height_px, c.K, c.D, c.distortion_model};
+CameraInfoMessage from_port(const PortCalibration& c) {
+  CameraInfoMessage out;
+  out.width_px = static_cast<std::uint32_t>(c.width_px);
+  out.height_px = static_cast<std::uint32_t>(c.height_px);
+  out.distortion_model = c.distortion_model;
+  out.d = c.D;
+  out.k = c.K;
+  return out;
 }
 
 PortTrack port_track(const WorldTrack& track, const ObjectCatalogue& catalogue) {

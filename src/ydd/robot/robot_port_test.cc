@@ -198,6 +198,9 @@ TEST_F(Robot, WhatCannotBeUsedIsOneLineAndCostsNothingElse) {
   PortCalibration none = calibration();
   none.K = {};
   EXPECT_THAT(port->start(none, {}, false).text, HasSubstr("calibrat"));
+  PortCalibration wild = calibration();
+  wild.K[2] = 5000;
+  EXPECT_THAT(port->start(wild, {}, false).text, HasSubstr("camera_info"));
   EXPECT_FALSE(port->started());
   ASSERT_TRUE(port->start(calibration(), {}, false).done);
   const RgbdFrame frame = wall_.frame(0);

@@ -6,6 +6,7 @@
 
 #include "ydd/dataset/camera_file.h"
 #include "ydd/detection/detector_config.h"
+#include "ydd/messages/ros_pictures.h"
 
 namespace ydd {
 namespace {
@@ -32,11 +33,11 @@ Result<std::string> robot_detector() {
 
 }  // namespace
 
-Result<RobotSetup> robot_setup(const RobotOptions& options, const SensorCalibration& calibration,
+Result<RobotSetup> robot_setup(const RobotOptions& options, const CameraInfoMessage& calibration,
                                const SE3& T_map_world) {
-  Result<Camera> camera =
-      options.camera.empty() ? camera_of(calibration) : find_camera("", options.camera);
-  if (!camera) return camera.error();
+  const bool told = options.camera.empty();
+  Result<Camera> camera = told ? camera_of(calibration, false) : find_camera("", options.camera);
+  if (!camera) return told ? Error{"camera_info: " + camera.error().message} : camera.error();
   Result<ObjectCatalogue> catalogue = options.objects.empty()
                                           ? Result(ObjectCatalogue::defaults())
                                           : ObjectCatalogue::load(options.objects);
