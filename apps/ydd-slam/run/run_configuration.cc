@@ -53,6 +53,7 @@ Result<Configuration> configuration_with(const RunRequest& request, const Camera
   if (request.topic_colour) out.sequence.topic_colour = *request.topic_colour;
   if (request.topic_depth) out.sequence.topic_depth = *request.topic_depth;
   if (request.topic_camera_info) out.sequence.topic_camera_info = *request.topic_camera_info;
+  if (request.camera_mode) out.sequence.camera_mode = *request.camera_mode;
   if (request.depth_offset) out.sequence.depth_offset = *request.depth_offset;
   if (request.first_frame) out.sequence.first_frame = *request.first_frame;
   if (request.max_frames) out.sequence.max_frames = *request.max_frames;

@@ -54,6 +54,7 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
   if (!sequence) return sequence.error();
   Result<RunRequest> request = with_detector(asked, configuration.options.dynamics.variant);
   if (!request) return request.error();
+  if (sequence->is_live()) request->realtime = true;  // a camera waits for nobody
   Result<ObjectCatalogue> catalogue = run_catalogue(*request);
   if (!catalogue) return catalogue.error();
   Result<std::unique_ptr<Detector>> detector = make_run_detector(*request, *catalogue);
@@ -97,6 +98,7 @@ std::string joined(const std::string& a, const std::string& b) {
 RunOutcome outcome_of(const RunResults& results, const std::string& write_failures) {
   const RunRecorder& recorder = results.listeners.recorder;
   std::string failure = joined(results.end.failure, results.listeners.pictures_failure);
+  failure = joined(failure, results.listeners.recording_failure);
   return {results.folder,
           results.summary,
           recorder.timings_json(results.system),
@@ -122,6 +124,9 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   auto pictures = RunPictures::open(request, camera, inputs->catalogue);
   if (!pictures) return pictures.error();
   listeners.pictures = *std::move(pictures);
+  auto recording = RunRecording::open(request.record, camera);
+  if (!recording) return recording.error();
+  listeners.recording = *std::move(recording);
 
   tell_pairing(inputs->sequence, inputs->configuration.sequence);
   settle_detect_mode(*inputs);

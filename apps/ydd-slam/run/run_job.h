@@ -52,6 +52,8 @@ struct RunRequest {
   std::optional<std::string> associations;
   std::optional<std::string> depth_offset;
   std::optional<std::string> source;
+  std::optional<std::string> camera_mode;  ///< of a camera that is looked through
+  std::string record;                      ///< bag to write what comes to; empty: none
   std::optional<std::string> topic_colour, topic_depth, topic_camera_info;  ///< of a bag
   ViewRequest view;
   std::optional<std::string> serve;  ///< address of the live page; empty: the default one

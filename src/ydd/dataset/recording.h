@@ -12,6 +12,7 @@
 #include "ydd/base/result.h"
 #include "ydd/base/timestamp.h"
 #include "ydd/dataset/association.h"
+#include "ydd/dataset/live_stream.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/geometry/camera.h"
 #include "ydd/image/image.h"
@@ -77,8 +78,10 @@ struct Recording {
   std::optional<Result<Camera>> camera;  ///< its own, or why that cannot be read; nothing: has none
   std::optional<double> depth_scale;     ///< depth value of one metre, where the format fixes it
   std::optional<GroundTruth> groundtruth;
+  /// A camera that is being looked through: then there are no lists, and frames are had from here.
+  std::shared_ptr<LiveStream> live;
 
-  /// Name of the folder, or of the file without its ending.
+  /// Name of the folder, or of the file without its ending; that of the source for a camera.
   std::string name() const;
 };
 

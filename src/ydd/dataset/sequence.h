@@ -28,6 +28,7 @@ struct SequenceOptions {
   std::string topic_colour = {};   ///< of a bag; empty: told by encodings and names
   std::string topic_depth = {};
   std::string topic_camera_info = {};
+  std::string camera_mode = {};  ///< of a camera, "640x480@30"; empty: chosen
 
   void describe(OptionTable& table);
 };
@@ -51,6 +52,11 @@ class Sequence {
   const SequenceEntry& entry(std::size_t i) const { return entries_.at(i); }
   const std::vector<SequenceEntry>& entries() const { return entries_; }
 
+  /// Whether this is a camera: then no frame is known beforehand nor can be read again, size() is
+  /// 0, and `recording().live` gives what comes.
+  bool is_live() const { return recording_.live != nullptr; }
+  const SequenceOptions& options() const { return options_; }
+
   /// The folder or file that was opened.
   const std::filesystem::path& place() const { return recording_.place; }
   std::string name() const { return recording_.name(); }
@@ -69,6 +75,7 @@ class Sequence {
 
  private:
   Recording recording_;
+  SequenceOptions options_;
   std::vector<SequenceEntry> entries_;
   std::optional<Pairing> pairing_;
 };

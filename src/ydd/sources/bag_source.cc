@@ -14,6 +14,7 @@
 #include "ydd/base/timing.h"
 #include "ydd/messages/ros_pictures.h"
 #include "ydd/sources/bag_topics.h"
+#include "ydd/sources/camera_note.h"
 #include "ydd/sources/layout.h"
 
 namespace ydd::sources {
@@ -171,6 +172,16 @@ void warn_of_other_lens(const Bag& bag, const fs::path& file, const std::vector<
   }
 }
 
+/// The camera that a recording of ours keeps; nothing: it is none.
+std::optional<Camera> noted_camera(const Bag& bag, const fs::path& file) {
+  const auto note = bag.notes().find(kCameraNote);
+  if (note == bag.notes().end()) return std::nullopt;
+  const Result<Camera> camera = camera_of_note(note->second);
+  if (camera) return *camera;
+  log::warning("{}: {}; CameraInfo counts", file.string(), camera.error().message);
+  return std::nullopt;
+}
+
 Result<Camera> bag_camera(const Bag& bag, const std::vector<TopicSeen>& topics, std::size_t colour,
                           std::size_t depth, const std::string& asked) {
   const Result<std::size_t> topic = choose_camera_info(topics, colour, depth, asked);
@@ -208,11 +219,13 @@ Result<Recording> open_bag_recording(const fs::path& file, const SequenceOptions
   Recording recording;
   recording.colour = colours.entries;
   recording.depth = depths.entries;
-  Result<Camera> camera = bag_camera(bag, topics, *colour, *depth, options.topic_camera_info);
-  if (camera) {
+  const auto noted = options.topic_camera_info.empty() ? noted_camera(bag, file) : std::nullopt;
+  Result<Camera> camera =
+      noted ? Result(*noted) : bag_camera(bag, topics, *colour, *depth, options.topic_camera_info);
+  if (!noted && camera) {
     camera->fps = rate_hz(recording.colour, camera->fps);
     warn_of_other_lens(bag, file, topics, *depth, *camera);
-  } else {
+  } else if (!camera) {
     camera = Error{fmt::format("{}: {}", file.string(), camera.error().message)};
   }
   recording.camera = camera;
