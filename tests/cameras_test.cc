@@ -47,6 +47,37 @@ TEST(Recording, OfAnyRecordingRunsAgainWithTheSameResult) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder / "b"), fs::directory_iterator()), 2);
 }
 
+TEST(Recording, SensorsOfMotionComeAlong) {
+  const TemporaryFolder folder;
+  const fs::path walk = room();
+  const std::vector<std::string> how = {"--deterministic",    "--detector", "none",
+                                        "--max-frames",       "20",         "--config",
+                                        walk / "sensors.yaml"};
+  const auto run = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "run");
+    arguments.insert(arguments.end(), how.begin(), how.end());
+    Outcome outcome = ydd_slam(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome;
+  };
+  run({walk, "--imu", walk / "imu.csv", "--odometry", walk / "odometry.txt", "--out", folder / "a",
+       "--record", folder / "walk.mcap"});
+  // The configuration says how they are mounted: they are used by themselves.
+  const Outcome again = run({folder / "walk.mcap", "--out", folder / "b"});
+  EXPECT_THAT(again.err, HasSubstr("/imu predicts motion (--imu off: it does not)"));
+  EXPECT_THAT(again.err, HasSubstr("/odom predicts motion"));
+  EXPECT_EQ(text_of(folder / "a/trajectory.tum"), text_of(folder / "b/trajectory.tum"));
+  EXPECT_EQ(text_of(folder / "a/tracks.jsonl"), text_of(folder / "b/tracks.jsonl"));
+  const Outcome off =
+      run({folder / "walk.mcap", "--imu", "off", "--odometry", "off", "--out", folder / "c"});
+  EXPECT_EQ(off.err.find("predicts motion"), std::string::npos);
+  const Outcome wrong = ydd_slam(
+      {"run", folder / "walk.mcap", "--imu", "/gyro", "--out", folder / "d", "--detector", "none"});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.err, HasSubstr("--imu /gyro: no such file, nor a topic of"));
+  EXPECT_THAT(wrong.err, HasSubstr("(there are: /imu)"));
+}
+
 TEST(Recording, KeepsWhatTheCameraIs) {
   const TemporaryFolder folder;
   std::ofstream(folder / "camera.yaml") << text_of(few_frames() / "camera.yaml") << "\n";

@@ -40,9 +40,11 @@ void add_input_options(CLI::App& command, RunRequest& request) {
   command.add_option("--max-frames", request.max_frames, "Stop after so many frames (0: all)")
       ->check(CLI::Range(0, 1000000000));
   command.add_option("--imu", request.imu,
-                     "What an IMU said: file of stamp, rad/s, m/s^2 (EuRoC CSV); see reckoning.*");
+                     "What an IMU said: file of stamp, rad/s, m/s^2 (EuRoC CSV), topic of the "
+                     "bag, or off; see reckoning.*");
   command.add_option("--odometry", request.odometry,
-                     "Odometry of a robot: trajectory file of its base; see reckoning.*");
+                     "Odometry of a robot: trajectory file of its base, topic of the bag, or "
+                     "off; see reckoning.*");
   command.add_flag("--strict", request.strict, "A frame that cannot be read ends the run");
   command.add_flag("--realtime", request.realtime, "Keep the camera's pace, drop what is late");
 }

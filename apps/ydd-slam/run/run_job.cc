@@ -66,7 +66,8 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
   Result<std::optional<Atlas>> map =
       open_run_map(*request, configuration.camera, configuration.options);
   if (!map) return map.error();
-  Result<MotionSamples> motion = run_motion(*request);
+  Result<MotionSamples> motion =
+      run_motion(*request, sequence->recording(), configuration.options.reckoning);
   if (!motion) return motion.error();
   return Inputs{std::move(configuration), *std::move(request),  *std::move(sequence),
                 *std::move(catalogue),    *std::move(detector), *std::move(map),
@@ -127,6 +128,7 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   auto recording = RunRecording::open(request.record, camera);
   if (!recording) return recording.error();
   listeners.recording = *std::move(recording);
+  if (listeners.recording) listeners.recording->add(inputs->motion);
 
   tell_pairing(inputs->sequence, inputs->configuration.sequence);
   settle_detect_mode(*inputs);

@@ -31,7 +31,7 @@ struct RunRequest {
   std::string config;
   std::vector<std::string> set;
   std::string out;
-  std::string imu, odometry;  ///< files of sensors of motion; empty: none
+  std::string imu, odometry;  ///< files or topics of sensors of motion, or "off"
   std::string detections;     ///< recording to replay
   std::string detector;       ///< detector file, for looking at the frames themselves; empty: the
                               ///< default one unless boxes are replayed or nothing is rejected

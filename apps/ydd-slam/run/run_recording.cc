@@ -46,6 +46,29 @@ std::string image_bytes(const Image<T>& image, Timestamp stamp, std::string_view
   return write_image(message, Wire::cdr);
 }
 
+std::string imu_bytes(const ImuSample& sample) {
+  ImuMessage message;
+  message.stamp = sample.stamp;
+  message.frame = "imu";
+  message.has_turn = message.has_acceleration = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    message.turn_rad_s[i] = sample.gyro_rad_s[static_cast<Eigen::Index>(i)];
+    message.acceleration_m_s2[i] = sample.accel_m_s2[static_cast<Eigen::Index>(i)];
+  }
+  return write_imu(message, Wire::cdr);
+}
+
+std::string odometry_bytes(const OdometryPose& pose) {
+  const Eigen::Vector3d& t = pose.T_odom_base.translation();
+  const Eigen::Quaterniond& q = pose.T_odom_base.rotation();
+  OdometryMessage message;
+  message.stamp = pose.stamp;
+  message.frame = "odom", message.child_frame = "base_link";
+  message.position_m = {t.x(), t.y(), t.z()};
+  message.orientation = {q.x(), q.y(), q.z(), q.w()};
+  return write_odometry(message, Wire::cdr);
+}
+
 /// Millimetres where they say it all, else metres.
 std::string depth_bytes(const RgbdFrame& frame, const Camera& camera) {
   const DepthImage& depth_m = frame.depth_m;
@@ -106,12 +129,32 @@ Result<void> RunRecording::write(const RgbdFrame& frame) {
         std::pair(depth_, depth_bytes(frame, camera_))}) {
     if (auto r = writer_.write(channel, frame.stamp, message); !r) return r;
   }
+  newest_ = frame.stamp;
   ++frames_;
   return {};
 }
 
+/// What came until the last frame: more was not heard.
+Result<void> RunRecording::write_motion() {
+  if (!motion_.imu.empty()) {
+    const auto channel = writer_.add_channel(ros2_channel("/imu", "sensor_msgs/msg/Imu"));
+    for (const ImuSample& sample : motion_.imu) {
+      if (sample.stamp > newest_) break;
+      if (auto r = writer_.write(channel, sample.stamp, imu_bytes(sample)); !r) return r;
+    }
+  }
+  if (motion_.odometry.empty()) return {};
+  const auto channel = writer_.add_channel(ros2_channel("/odom", "nav_msgs/msg/Odometry"));
+  for (const OdometryPose& pose : motion_.odometry) {
+    if (pose.stamp > newest_) break;
+    if (auto r = writer_.write(channel, pose.stamp, odometry_bytes(pose)); !r) return r;
+  }
+  return {};
+}
+
 Result<void> RunRecording::finish() {
-  const Result<void> written = background_->finish();
+  Result<void> written = background_->finish();
+  if (written) written = write_motion();
   const Result<void> placed = writer_.finish();
   folders_.keep();
   if (!written) return written;

@@ -10,6 +10,7 @@
 #include "ydd/base/background.h"
 #include "ydd/geometry/camera.h"
 #include "ydd/image/rgbd_frame.h"
+#include "ydd/reckoning/motion_samples.h"
 
 namespace ydd::app {
 
@@ -24,18 +25,23 @@ class RunRecording {
   static Result<std::unique_ptr<RunRecording>> open(const std::string& file, const Camera& camera);
 
   Result<void> add(const RgbdFrame& frame);
+  /// What sensors of motion said meanwhile, at any time before the end.
+  void add(const MotionSamples& samples) { motion_ = samples; }
   /// Waits for the last frame. Also after a failure what was written until then is kept.
   Result<void> finish();
 
  private:
   RunRecording(const std::filesystem::path& file, const Camera& camera, McapWriter writer);
   Result<void> write(const RgbdFrame& frame);  ///< on the other thread
+  Result<void> write_motion();
 
   std::filesystem::path file_;
   Camera camera_;
   NewFolders folders_;
   McapWriter writer_;  ///< of the other thread until it has finished
   std::uint16_t colour_, info_, depth_;
+  MotionSamples motion_;
+  Timestamp newest_;  ///< of frames
   int frames_ = 0;
   std::unique_ptr<Background<RgbdFrame>> background_;  ///< last: stops before the others go
 };

@@ -24,7 +24,7 @@ struct BagTopic {
   std::size_t messages = 0;
 };
 
-/// Where a message of a picture or camera is.
+/// Where a message is.
 struct BagMessage {
   std::uint32_t topic = 0;  ///< of Bag::topics
   std::uint32_t part = 0;   ///< of what the bag is made of: chunk or file; kNoPart: itself
@@ -46,7 +46,7 @@ class Bag {
 
   /// All of them.
   const std::vector<BagTopic>& topics() const { return topics_; }
-  /// Those of pictures and cameras (message_kind), in the order of the file.
+  /// Those of kinds that are read (message_kind), in the order of the file.
   const std::vector<BagMessage>& messages() const { return messages_; }
   /// Names and texts that its recorder left in it, by the name of what they are about (metadata of
   /// MCAP).

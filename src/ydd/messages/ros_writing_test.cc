@@ -42,6 +42,37 @@ TEST_P(RosWriting, CamerasAreReadAgain) {
   EXPECT_EQ(again.p2, camera.p2);
 }
 
+TEST_P(RosWriting, MotionIsReadAgain) {
+  ImuMessage imu;
+  imu.stamp = {1'700'000'000'000'000'001};
+  imu.frame = "imu";
+  imu.has_turn = true;
+  imu.turn_rad_s = {0.1, -0.2, 0.3};
+  imu.acceleration_m_s2 = {1, 2, 9.8};
+  const std::string bytes = write_imu(imu, GetParam());
+  const auto again = read_imu(bytes, GetParam());
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->stamp, imu.stamp);
+  EXPECT_TRUE(again->has_turn);
+  EXPECT_FALSE(again->has_acceleration);
+  EXPECT_EQ(again->turn_rad_s, imu.turn_rad_s);
+  EXPECT_EQ(again->acceleration_m_s2, imu.acceleration_m_s2);
+  EXPECT_FALSE(read_imu(std::string_view(bytes).substr(0, bytes.size() - 1), GetParam()));
+
+  OdometryMessage odometry;
+  odometry.stamp = {5};
+  odometry.frame = "odom", odometry.child_frame = "base_footprint";
+  odometry.position_m = {1, -2, 3};
+  odometry.orientation = {0, 0.6, 0, 0.8};
+  const std::string wheels = write_odometry(odometry, GetParam());
+  const auto told = read_odometry(wheels, GetParam());
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->child_frame, "base_footprint");
+  EXPECT_EQ(told->position_m, odometry.position_m);
+  EXPECT_EQ(told->orientation, odometry.orientation);
+  EXPECT_FALSE(read_odometry(std::string_view(wheels).substr(0, wheels.size() - 1), GetParam()));
+}
+
 INSTANTIATE_TEST_SUITE_P(Wires, RosWriting, testing::Values(Wire::ros1, Wire::cdr));
 
 TEST(RosDefinitions, AreThereForWhatIsWritten) {

@@ -13,6 +13,7 @@
 #include "ydd/base/log.h"
 #include "ydd/base/timing.h"
 #include "ydd/messages/ros_pictures.h"
+#include "ydd/sources/bag_motion.h"
 #include "ydd/sources/bag_topics.h"
 #include "ydd/sources/camera_note.h"
 #include "ydd/sources/layout.h"
@@ -39,6 +40,10 @@ Result<StoredMessage> read_message(const Bag& bag, const BagMessage& message, st
                        std::make_shared<const std::string>(*std::move(bytes))};
 }
 
+bool holds_picture(MessageKind kind) {
+  return kind == MessageKind::image || kind == MessageKind::compressed_image;
+}
+
 /// What there is, each topic of pictures with the nature of its first message.
 std::vector<TopicSeen> topics_seen(const Bag& bag) {
   std::vector<TopicSeen> out;
@@ -48,7 +53,7 @@ std::vector<TopicSeen> topics_seen(const Bag& bag) {
   std::vector<bool> looked(out.size());
   for (const BagMessage& message : bag.messages()) {
     TopicSeen& topic = out[message.topic];
-    if (looked[message.topic] || topic.kind == MessageKind::camera_info) continue;
+    if (looked[message.topic] || !holds_picture(topic.kind)) continue;
     looked[message.topic] = true;
     if (const auto first = read_message(bag, message, topic.name)) topic.nature = nature_of(*first);
   }
@@ -232,6 +237,7 @@ Result<Recording> open_bag_recording(const fs::path& file, const SequenceOptions
   if (topics[*depth].nature.encoding.find("32FC1") == std::string::npos) {
     recording.depth_scale = kRosDepthScale;
   }
+  recording.motion = bag_motion(*opened, file);
   recording.pictures =
       std::make_shared<const BagPictures>(*opened, std::move(colours), std::move(depths));
   return recording;
