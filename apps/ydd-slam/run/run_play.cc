@@ -135,7 +135,8 @@ class Playback {
       const auto pair = camera.next(kWaitForCamera);
       if (!pair || came++ < first) continue;
       const std::int64_t i = came - 1 - first;
-      const Result<RgbdFrame> frame = frame_of(*pair, i, input_.camera);
+      const Result<RgbdFrame> frame =
+          frame_of(*pair, i, input_.camera, input_.sequence.depth_shift());
       if (!frame) return frame.error();  // so are all that follow
       done = process_frame(*frame);
     }

@@ -99,7 +99,7 @@ TEST_P(EveryBag, IsReadWhole) {
   ASSERT_TRUE(bag) << bag.error().message;
   EXPECT_EQ((*bag)->incomplete(), "");
   ASSERT_EQ((*bag)->topics().size(), 2U);
-  EXPECT_EQ((*bag)->topics()[0].name, "/imu");
+  EXPECT_EQ((*bag)->topics()[0].name, "/range");
   EXPECT_EQ((*bag)->topics()[0].messages, kPictures);
   EXPECT_EQ((*bag)->topics()[1].type, messages_[1].type);
   EXPECT_EQ((*bag)->topics()[1].wire, GetParam().wire);

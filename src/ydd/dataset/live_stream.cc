@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/dataset/live_stream.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "ydd/image/decode.h"
 
 namespace ydd {
 
-Result<RgbdFrame> frame_of(const LivePair& pair, std::int64_t index, const Camera& camera) {
+Result<RgbdFrame> frame_of(const LivePair& pair, std::int64_t index, const Camera& camera,
+                           const DepthShift& shift) {
   const auto has_size = [&](const auto& picture) {
     return picture.width() == camera.width_px && picture.height() == camera.height_px;
   };
@@ -18,8 +21,9 @@ Result<RgbdFrame> frame_of(const LivePair& pair, std::int64_t index, const Camer
         pair.colour.width(), pair.colour.height(), pair.depth.width(), pair.depth.height(),
         camera.name, camera.width_px, camera.height_px)};
   }
-  return RgbdFrame{index, pair.stamp, to_grey(pair.colour), pair.colour,
-                   to_metres(pair.depth, camera)};
+  DepthImage depth_m = to_metres(pair.depth, camera);
+  if (!shift.none()) depth_m = laid_over(depth_m, shift);
+  return RgbdFrame{index, pair.stamp, to_grey(pair.colour), pair.colour, std::move(depth_m)};
 }
 
 }  // namespace ydd

@@ -7,6 +7,7 @@
 
 #include "ydd/base/result.h"
 #include "ydd/base/timestamp.h"
+#include "ydd/dataset/depth_shift.h"
 #include "ydd/geometry/camera.h"
 #include "ydd/image/rgbd_frame.h"
 
@@ -47,8 +48,9 @@ class LiveStream {
   virtual LiveCounts counts() const = 0;
 };
 
-/// Frame number `index` of a stream: depth in metres within the limits of `camera`. Fails when the
-/// pictures have not its size.
-Result<RgbdFrame> frame_of(const LivePair& pair, std::int64_t index, const Camera& camera);
+/// Frame number `index` of a stream: depth in metres within the limits of `camera`, moved back by
+/// `shift`. Fails when the pictures have not the camera's size.
+Result<RgbdFrame> frame_of(const LivePair& pair, std::int64_t index, const Camera& camera,
+                           const DepthShift& shift = {});
 
 }  // namespace ydd

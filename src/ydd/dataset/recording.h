@@ -94,6 +94,7 @@ struct Recording {
   std::shared_ptr<const PictureStore> pictures;
   std::optional<Result<Camera>> camera;  ///< its own, or why that cannot be read; nothing: has none
   std::optional<double> depth_scale;     ///< depth value of one metre, where the format fixes it
+  bool depth_is_laid = false;            ///< a run has seen to it already that depth lies on colour
   std::optional<GroundTruth> groundtruth;
   std::shared_ptr<const MotionStore> motion;  ///< null: no such sensors
   /// A camera that is being looked through: then there are no lists, and frames are had from here.

@@ -234,6 +234,7 @@ Result<Recording> open_bag_recording(const fs::path& file, const SequenceOptions
     camera = Error{fmt::format("{}: {}", file.string(), camera.error().message)};
   }
   recording.camera = camera;
+  recording.depth_is_laid = noted.has_value();
   if (topics[*depth].nature.encoding.find("32FC1") == std::string::npos) {
     recording.depth_scale = kRosDepthScale;
   }
