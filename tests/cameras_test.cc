@@ -377,8 +377,8 @@ TEST_F(Cameras, ThatStandStillAreWaitedFor) {
 }
 
 TEST_F(Cameras, DropWhatNobodyTakesInTime) {
-  plug_in("pace_hz 400 repeat 400");
-  const Outcome outcome = run("openni2", {"--max-frames", "20"});
+  plug_in("pace_hz 5000 repeat 4000");
+  const Outcome outcome = run("openni2", {"--max-frames", "60"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const json camera = summary_of(folder_ / "out").at("camera");
   EXPECT_GT(camera.at("dropped"), 0);
