@@ -26,6 +26,7 @@ Atlas::Atlas(const Atlas& other, Table<KeyFrame, KeyFrameTag> keyframes,
       keyframes_(std::move(keyframes)),
       points_(std::move(points)),
       culled_(other.culled_),
+      word_index_(other.word_index_),
       revision_(other.revision_),
       newest_(other.newest_),
       next_serial_(other.next_serial_),
@@ -46,7 +47,9 @@ KeyFrameId Atlas::add_keyframe(KeyFrame keyframe) {
   const std::vector<MapPointId> wanted = std::move(keyframe.points);
   keyframe.points.assign(keyframe.features().size(), MapPointId{});
   keyframe.covisible.clear();
-  const KeyFrameId id = keyframes_.insert(std::move(keyframe));
+  WordIndex::Entry words{keyframe.serial, {}, keyframe.words};
+  const KeyFrameId id = words.keyframe = keyframes_.insert(std::move(keyframe));
+  if (words.words) word_index_.add(std::move(words));
   newest_ = id;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (points_.contains(wanted[i])) add_observation(wanted[i], id, static_cast<int>(i));

@@ -14,6 +14,7 @@
 #include "ydd/geometry/camera.h"
 #include "ydd/map/culled_keyframes.h"
 #include "ydd/map/map_types.h"
+#include "ydd/map/word_index.h"
 
 namespace ydd {
 
@@ -108,6 +109,8 @@ class Atlas {
   MapId map_of(KeyFrameId id) const;
 
   const CulledKeyFrames& culled() const { return culled_; }
+  /// Every keyframe that has words.
+  const WordIndex& word_index() const { return word_index_; }
   /// What the next keyframe will be numbered.
   std::int64_t next_serial() const { return next_serial_; }
   /// How many maps have been named.
@@ -134,13 +137,15 @@ class Atlas {
   KeyFrameId best_new_parent(KeyFrameId child, const std::vector<KeyFrameId>& orphans) const;
   void adopt_children(KeyFrameId culled);
   KeyFrameId youngest() const;
-  bool has_root(KeyFrameId id) const;
+  void check_tree(std::vector<std::string>& faults) const;
+  void check_words(std::vector<std::string>& faults) const;
 
   Camera camera_;
   PyramidScales scales_;
   Table<KeyFrame, KeyFrameTag> keyframes_;
   Table<MapPoint, MapPointTag> points_;
   CulledKeyFrames culled_;
+  WordIndex word_index_;
   std::uint64_t revision_ = 0;
   KeyFrameId newest_;
   std::int64_t next_serial_ = 0;

@@ -124,6 +124,11 @@ Result<Atlas> Atlas::restore(AtlasParts parts) {
   if (!link_observations(atlas.keyframes_, atlas.points_)) {
     return Error{"a keypoint that shows two points"};
   }
+  std::vector<WordIndex::Entry> words;
+  atlas.keyframes_.for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
+    if (keyframe.words) words.push_back({keyframe.serial, id, keyframe.words});
+  });
+  atlas.word_index_ = WordIndex(std::move(words));
   std::vector<std::string> faults = atlas.check_consistency();
   if (!faults.empty()) return Error{std::move(faults.front())};
   return atlas;

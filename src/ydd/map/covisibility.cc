@@ -135,6 +135,7 @@ void Atlas::cull_keyframe(KeyFrameId id) {
   const KeyFrame& keyframe = at(id);
   culled_.add(id, {keyframe.parent,
                    at(keyframe.parent).T_world_camera.inverse() * keyframe.T_world_camera});
+  if (keyframe.words) word_index_.remove(keyframe.serial, id);
   keyframes_.erase(id);
   if (id == newest_) newest_ = youngest();
 }
@@ -160,12 +161,38 @@ KeyFrameId Atlas::youngest() const {
   return youngest;
 }
 
-bool Atlas::has_root(KeyFrameId id) const {
-  std::size_t steps = 0;
-  for (const KeyFrame* k = find(id); k && k->parent.valid(); k = find(k->parent)) {
-    if (++steps > keyframes_.size()) return false;
-  }
-  return true;
+void Atlas::check_tree(std::vector<std::string>& faults) const {
+  enum class Walk : std::uint8_t { unknown, under_way, done };
+  std::vector<Walk> walks(keyframes_.slots(), Walk::unknown);
+  keyframes_.for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
+    if (!keyframe.parent.valid() ? !is_first(id) : !find(keyframe.parent)) {
+      faults.push_back(fmt::format("keyframe {}: no parent", id.slot));
+    }
+    // Up to what is known already: every keyframe is walked over once.
+    std::vector<KeyFrameId> way;
+    while (find(id) && walks[id.slot] == Walk::unknown) {
+      walks[id.slot] = Walk::under_way;
+      way.push_back(id);
+      id = at(id).parent;
+    }
+    if (find(id) && walks[id.slot] == Walk::under_way) {
+      faults.push_back(fmt::format("keyframe {}: ring of parents", id.slot));
+    }
+    for (const KeyFrameId walked : way) walks[walked.slot] = Walk::done;
+  });
+}
+
+void Atlas::check_words(std::vector<std::string>& faults) const {
+  std::size_t with_words = 0;
+  keyframes_.for_each([&](KeyFrameId, const KeyFrame& k) { with_words += k.words ? 1 : 0; });
+  const std::vector<WordIndex::Entry> entries = word_index_.entries();
+  const bool all =
+      with_words == entries.size() && word_index_.size() == entries.size() &&
+      std::all_of(entries.begin(), entries.end(), [&](const auto& entry) {
+        const KeyFrame* keyframe = find(entry.keyframe);
+        return keyframe && keyframe->words == entry.words && keyframe->serial == entry.serial;
+      });
+  if (!all) faults.emplace_back("the index of words is not of these keyframes");
 }
 
 std::vector<std::string> Atlas::check_consistency() const {
@@ -193,10 +220,6 @@ std::vector<std::string> Atlas::check_consistency() const {
         faults.push_back(fmt::format("keyframe {}: keypoint {} without link back", id.slot, i));
       }
     }
-    if (!keyframe.parent.valid() ? !is_first(id) : !find(keyframe.parent)) {
-      faults.push_back(fmt::format("keyframe {}: no parent", id.slot));
-    }
-    if (!has_root(id)) faults.push_back(fmt::format("keyframe {}: ring of parents", id.slot));
     for (const Covisible& c : keyframe.covisible) {
       const KeyFrame* other = find(c.keyframe);
       const Covisible back{id, c.weight};
@@ -206,6 +229,8 @@ std::vector<std::string> Atlas::check_consistency() const {
       }
     }
   });
+  check_tree(faults);
+  check_words(faults);
   return faults;
 }
 
