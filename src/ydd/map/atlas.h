@@ -46,7 +46,8 @@ class Atlas {
   Atlas(const Camera& camera, const PyramidScales& scales);
 
   /// An atlas from its parts, down to the ids that it will give next. Lists of points per keyframe
-  /// are made from the observations; what they hold is ignored. Failure: the first thing that does
+  /// are made from the observations, those of children from the parents; what they hold is
+  /// ignored. Failure: the first thing that does
   /// not fit together, without a file name.
   static Result<Atlas> restore(AtlasParts parts);
 
@@ -120,7 +121,6 @@ class Atlas {
   KeyFrameId newest_keyframe() const { return newest_; }
   /// Whether a keyframe is the one that started its map.
   bool is_first(KeyFrameId id) const;
-  std::vector<KeyFrameId> children(KeyFrameId id) const;
 
   /// An immutable copy; O(size / 64).
   std::shared_ptr<const Atlas> snapshot();
@@ -134,6 +134,7 @@ class Atlas {
   void unlink(MapPointId point, const Observation& observation);
   void connect(KeyFrameId from, KeyFrameId to, int weight);
   void drop_connections(KeyFrameId keyframe);
+  void link_parent(KeyFrameId keyframe, KeyFrameId parent);
   KeyFrameId best_new_parent(KeyFrameId child, const std::vector<KeyFrameId>& orphans) const;
   void adopt_children(KeyFrameId culled);
   KeyFrameId youngest() const;

@@ -166,7 +166,7 @@ Result<MapSave> timed_save(MapWriter& writer, Mapper& mapper, Spent& spent, std:
   const auto atlas = mapper.snapshot();
   const std::int64_t before = bytes_written();
   Result<MapSave> saved = Error{""};
-  spent = spent_on([&] { saved = writer.save(*atlas); });
+  spent = spent_on([&] { saved = writer.save(atlas); });
   bytes = bytes_written() - before;
   return saved;
 }
