@@ -34,9 +34,9 @@ class EditedMap {
       case 1:
         return cull_keyframe();
       case 2:
-        return built_.atlas.set_pose(some_keyframe(), tw::hand_held(0.01 * pick(100)));
+        return built_.atlas.set_pose(some_keyframe(), tw::hand_held(0.01 * tick(100)));
       case 3:
-        return built_.atlas.set_position(some_point(), {0.1 * pick(10), 0, 3});
+        return built_.atlas.set_position(some_point(), {0.1 * tick(10), 0, 3});
       case 4:
         return built_.atlas.remove_point(some_point());
       case 5:
@@ -57,6 +57,7 @@ class EditedMap {
     return tw::build_map(world_, views, 5);
   }
   std::size_t pick(std::size_t end) { return random_() % end; }
+  double tick(std::size_t end) { return static_cast<double>(pick(end)); }
   KeyFrameId some_keyframe() {
     const auto ids = built_.atlas.keyframes().ids();
     return ids[pick(ids.size())];
@@ -67,7 +68,7 @@ class EditedMap {
   }
 
   void add_keyframe() {
-    KeyFrame k = tw::keyframe_of(tw::look(world_, tw::hand_held(0.01 * pick(300))),
+    KeyFrame k = tw::keyframe_of(tw::look(world_, tw::hand_held(0.01 * tick(300))),
                                  static_cast<std::int64_t>(1000 + pick(1000)));
     const KeyFrameId beside = some_keyframe();
     k.map = built_.atlas.at(beside).map;
