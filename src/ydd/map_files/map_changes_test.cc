@@ -183,7 +183,7 @@ TEST_F(MapChanges, OfAnotherMapMakeANewFile) {
     for (int i = 0; i < 40; ++i) shifted.add_point({0, 0, 3}, added, i);
   }
   const ino_t file = inode(file_);
-  MapWriter writer = open();
+  MapWriter writer = MapWriter::open(file_, Replacing::anything).value();
   const Result<MapSave> saved = writer.save(shifted.snapshot());
   ASSERT_TRUE(saved.ok());
   EXPECT_TRUE(saved->whole);
