@@ -55,6 +55,7 @@ TEST(BenchPaper, WritesTheArticlesTablesWithOursBeside) {
   ASSERT_EQ(done.exit_code, 0) << done.err;
   EXPECT_THAT(done.out, HasSubstr("fr3_walking_rpy is not below"));
   EXPECT_THAT(done.out, HasSubstr("4 runs (0 from before)"));
+  EXPECT_THAT(done.out, HasSubstr("s of the 28.8 s of the published sequence: a clip"));
   const Json json = stand_in.json();
   const Json& off = cell(json, 0, "fr3_walking_xyz", 0);
   const Json& full = cell(json, 0, "fr3_walking_xyz", 4);

@@ -222,6 +222,24 @@ void remark_unscored(const Made& made, std::vector<std::string>& remarks) {
   }
 }
 
+/// Clips are not what the article measured on.
+void remark_clips(const Made& made, std::vector<std::string>& remarks) {
+  constexpr double kClipShare = 0.7;
+  for (const std::string& name : article_sequences()) {
+    const auto run = std::find_if(made.figures.begin(), made.figures.end(), [&](const auto& each) {
+      return each.sequence == name && each.values.contains("span_s");
+    });
+    if (run == made.figures.end()) continue;
+    const double span_s = run->values.at("span_s");
+    const double whole_s = published_duration_s(name).value();
+    if (span_s > kClipShare * whole_s) continue;
+    remarks.push_back(
+        fmt::format("{}: {:.1f} s of the {:.1f} s of the published sequence: a clip, "
+                    "the article's figures are not of the same",
+                    name, span_s, whole_s));
+  }
+}
+
 }  // namespace
 
 Result<std::string> bench_paper(const PaperRequest& request) {
@@ -247,6 +265,7 @@ Result<std::string> bench_paper(const PaperRequest& request) {
     if (sequence.own) report.own.push_back(sequence.name);
   }
   for (const std::string& failed : made->failures) report.remarks.push_back("failed: " + failed);
+  remark_clips(*made, report.remarks);
   remark_unscored(*made, report.remarks);
   const Article source = article();
   report.source = source.source;

@@ -88,6 +88,10 @@ Result<void> add_run(const fs::path& folder, const KeptRun& run, bool looks, Run
   if (looks) add_stage(run.results.timings, "detect", "network_ms", figures);
   const Result<Json> frames = json_of(folder / "frames.json");
   if (!frames) return frames.error();
+  const Json& stamps = frames->at("stamp_s");
+  if (!stamps.empty()) {
+    figures.values["span_s"] = stamps.back().get<double>() - stamps.front().get<double>();
+  }
   for (const Json& requested : frames->at("requested")) {
     figures.curves.requested.push_back(requested.get<double>());
   }

@@ -28,6 +28,10 @@ struct FoundSequences {
 /// The five sequences of the article, in its order.
 const std::vector<std::string>& article_sequences();
 
+/// How long TUM says a sequence of the article is, in seconds: a recording of that name that is
+/// much shorter is a clip of it.
+std::optional<double> published_duration_s(std::string_view name);
+
 /// The sequence that a folder or file name tells, however it is written:
 /// "rgbd_dataset_freiburg3_walking_xyz", "fr3_w_xyz" and "tum_fr3_walking_xyz" are
 /// "fr3_walking_xyz", "rgbd_bonn_crowd" is "bonn_crowd". Nothing for others, and for TUM's
