@@ -161,6 +161,29 @@ TEST(BenchPaper, TakesTrajectoriesOfOtherSystemsAndRecordingsOfOnesOwn) {
   EXPECT_GT(cell(json, 10, "linear", 0).at("ours").get<double>(), 0);
 }
 
+TEST(BenchPaper, RunsCanBeMadeOneByOneAndGathered) {
+  const StandIn stand_in;
+  const auto with = [](std::vector<std::string> more) {
+    more.insert(more.end(), {"--runs", "2", "--variants", "off", "full"});
+    return more;
+  };
+  const Outcome plan = stand_in.bench(with({"--plan"}));
+  EXPECT_THAT(plan.out, HasSubstr("fr3_sitting_static full 2\n"));
+  EXPECT_EQ(std::count(plan.out.begin(), plan.out.end(), '\n'), 8);
+  EXPECT_FALSE(fs::exists(stand_in.out));
+  const Outcome one = stand_in.bench(with({"--one", "fr3_sitting_static", "full", "2"}));
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_TRUE(fs::exists(stand_in.out / "runs/fr3_sitting_static/full-2.json"));
+  EXPECT_FALSE(fs::exists(stand_in.out / "paper.html"));
+  const Outcome other = stand_in.bench(with({"--one", "fr3_sitting_static", "full", "3"}));
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.err, HasSubstr("--plan names them all"));
+  const Outcome gathered = stand_in.bench(with({"--gather"}));
+  EXPECT_EQ(gathered.exit_code, 1);
+  EXPECT_THAT(gathered.err, HasSubstr("7 of 8 runs are not there"));
+  EXPECT_EQ(cell(stand_in.json(), 0, "fr3_sitting_static", 4).at("runs"), 1);
+}
+
 TEST(BenchPaper, BadInputIsOneLine) {
   const StandIn stand_in;
   const TemporaryFolder empty;

@@ -155,6 +155,11 @@ Result<Made> make_runs(const PaperRequest& request, const PaperPlan& plan) {
       ++made.reused;
       continue;
     }
+    if (request.gather) {
+      made.failures.push_back(
+          fmt::format("{}, {}, run {}: not there", run.sequence.name, run.variant, run.run));
+      continue;
+    }
     log::info("run {} of {}: {}, {}, number {}", i + 1, plan.runs.size(), run.sequence.name,
               run.variant, run.run);
     Result<RunFigures> figures = make_paper_run(request, run, scratch->path());
@@ -240,49 +245,88 @@ void remark_clips(const Made& made, std::vector<std::string>& remarks) {
   }
 }
 
+/// `SEQUENCE VARIANT NUMBER` on a line for each run.
+std::string plan_text(const PaperPlan& plan) {
+  std::string out;
+  for (const PaperRun& run : plan.runs) {
+    out += fmt::format("{} {} {}\n", run.sequence.name, run.variant, run.run);
+  }
+  return out;
+}
+
+/// The one run that is asked for. Nothing else in the folder is touched: others may work there.
+Result<std::string> make_one(const PaperRequest& request, const PaperPlan& plan) {
+  const auto run = std::find_if(plan.runs.begin(), plan.runs.end(), [&](const PaperRun& each) {
+    return request.one ==
+           std::vector<std::string>{each.sequence.name, each.variant, std::to_string(each.run)};
+  });
+  if (run == plan.runs.end()) {
+    return Error{fmt::format("--one {}: no run of these options; --plan names them all",
+                             fmt::join(request.one, " "))};
+  }
+  PaperPlan alone{plan.sequences, {*run}, {}};
+  const Result<Made> made = make_runs(request, alone);
+  if (!made) return made.error();
+  if (!made->failures.empty()) return Error{made->failures.front()};
+  return std::string();
+}
+
+PaperReport report_of(const PaperRequest& request, PaperPlan plan, Made made) {
+  PaperReport report;
+  report.remarks = std::move(plan.remarks);
+  std::vector<RunFigures> systems;
+  if (!request.systems.empty()) {
+    systems = score_systems(request.systems, plan.sequences, report.remarks);
+  }
+  for (const PaperSequence& sequence : plan.sequences) {
+    if (sequence.own) report.own.push_back(sequence.name);
+  }
+  for (const std::string& failed : made.failures) report.remarks.push_back("failed: " + failed);
+  remark_clips(made, report.remarks);
+  remark_unscored(made, report.remarks);
+  const Article source = article();
+  report.source = source.source;
+  report.tables = fill_tables(source, made.figures, systems, report.own);
+  report.facts = facts_of(request);
+  report.runs = std::move(made.figures);
+  return report;
+}
+
+/// All runs, or those that are there, and the pages.
+Result<std::string> make_report(const PaperRequest& request, PaperPlan plan) {
+  const Result<FileLock> lock = FileLock::take(fs::path(request.out) / ".lock", true);
+  if (!lock) return Error{fmt::format("{}: another 'bench paper' works there", request.out)};
+  Result<Made> made = make_runs(request, plan);
+  if (!made) return made.error();
+  const std::size_t runs = plan.runs.size();
+  const int reused = made->reused;
+  const std::vector<std::string> failures = made->failures;
+  const PaperReport report = report_of(request, std::move(plan), *std::move(made));
+  if (auto r = write_report(request, report); !r) return r.error();
+  if (!failures.empty()) {
+    return Error{fmt::format("{} of {} runs {}, the first: {}; {}", failures.size(), runs,
+                             request.gather ? "are not there" : "failed", failures.front(),
+                             request.gather ? "the pages are written without them"
+                                            : "the same command tries them again")};
+  }
+  std::string said;
+  for (const std::string& remark : report.remarks) said += remark + "\n";
+  return said + fmt::format("{} runs ({} from before) in {}: paper.html, paper.json, paper.tex\n",
+                            runs, reused, request.out);
+}
+
 }  // namespace
 
 Result<std::string> bench_paper(const PaperRequest& request) {
   Result<PaperPlan> plan = find_sequences(request);
   if (!plan) return plan.error();
   plan_runs(request, *plan);
+  if (request.plan) return plan_text(*plan);
   std::error_code failure;
   fs::create_directories(request.out, failure);
   if (failure) return Error{fmt::format("{}: cannot be made: {}", request.out, failure.message())};
-  const Result<FileLock> lock = FileLock::take(fs::path(request.out) / ".lock", true);
-  if (!lock) {
-    return Error{fmt::format("{}: another 'bench paper' works there", request.out)};
-  }
-  Result<Made> made = make_runs(request, *plan);
-  if (!made) return made.error();
-  PaperReport report;
-  report.remarks = std::move(plan->remarks);
-  std::vector<RunFigures> systems;
-  if (!request.systems.empty()) {
-    systems = score_systems(request.systems, plan->sequences, report.remarks);
-  }
-  for (const PaperSequence& sequence : plan->sequences) {
-    if (sequence.own) report.own.push_back(sequence.name);
-  }
-  for (const std::string& failed : made->failures) report.remarks.push_back("failed: " + failed);
-  remark_clips(*made, report.remarks);
-  remark_unscored(*made, report.remarks);
-  const Article source = article();
-  report.source = source.source;
-  report.tables = fill_tables(source, made->figures, systems, report.own);
-  report.facts = facts_of(request);
-  report.runs = std::move(made->figures);
-  if (auto r = write_report(request, report); !r) return r.error();
-  if (!made->failures.empty()) {
-    return Error{
-        fmt::format("{} of {} runs failed, the first: {}; the same command tries them "
-                    "again",
-                    made->failures.size(), plan->runs.size(), made->failures.front())};
-  }
-  std::string said;
-  for (const std::string& remark : report.remarks) said += remark + "\n";
-  return said + fmt::format("{} runs ({} from before) in {}: paper.html, paper.json, paper.tex\n",
-                            plan->runs.size(), made->reused, request.out);
+  if (!request.one.empty()) return make_one(request, *plan);
+  return make_report(request, *std::move(plan));
 }
 
 }  // namespace ydd::app

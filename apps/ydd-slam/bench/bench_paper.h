@@ -28,6 +28,10 @@ struct PaperRequest {
   std::string systems;           ///< folder of other systems' trajectories
   bool realtime = false;
   bool fresh = false;  ///< runs that are there are made again
+  // For an engine that spreads the runs over machines (bench/workflow):
+  bool plan = false;             ///< name the runs, make none
+  std::vector<std::string> one;  ///< SEQUENCE VARIANT NUMBER: make this run, write no pages
+  bool gather = false;           ///< make no run, write the pages of those that are there
 };
 
 /// One run to make.
