@@ -168,13 +168,14 @@ TEST(BenchPaper, RunsCanBeMadeOneByOneAndGathered) {
     return more;
   };
   const Outcome plan = stand_in.bench(with({"--plan"}));
-  EXPECT_THAT(plan.out, HasSubstr("fr3_sitting_static full 2\n"));
+  EXPECT_THAT(plan.out, HasSubstr("fr3_sitting_static full 2 missing\n"));
   EXPECT_EQ(std::count(plan.out.begin(), plan.out.end(), '\n'), 8);
   EXPECT_FALSE(fs::exists(stand_in.out));
   const Outcome one = stand_in.bench(with({"--one", "fr3_sitting_static", "full", "2"}));
   EXPECT_EQ(one.exit_code, 0) << one.err;
   EXPECT_TRUE(fs::exists(stand_in.out / "runs/fr3_sitting_static/full-2.json"));
   EXPECT_FALSE(fs::exists(stand_in.out / "paper.html"));
+  EXPECT_THAT(stand_in.bench(with({"--plan"})).out, HasSubstr("fr3_sitting_static full 2 there\n"));
   const Outcome other = stand_in.bench(with({"--one", "fr3_sitting_static", "full", "3"}));
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_THAT(other.err, HasSubstr("--plan names them all"));

@@ -128,7 +128,8 @@ void add_paper_bench(CLI::App& parent, Job& job) {
       ->check(CLI::ExistingDirectory);
   command->add_flag("--realtime", request->realtime, "At the camera's pace");
   command->add_flag("--fresh", request->fresh, "Make runs again that are there");
-  command->add_flag("--plan", request->plan, "Only name the runs: SEQUENCE VARIANT NUMBER");
+  command->add_flag("--plan", request->plan,
+                    "Only name the runs: SEQUENCE VARIANT NUMBER, and there or missing");
   command
       ->add_option("--one", request->one,
                    "Only make this run, SEQUENCE VARIANT NUMBER, and write no pages")

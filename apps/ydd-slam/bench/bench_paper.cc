@@ -245,11 +245,13 @@ void remark_clips(const Made& made, std::vector<std::string>& remarks) {
   }
 }
 
-/// `SEQUENCE VARIANT NUMBER` on a line for each run.
-std::string plan_text(const PaperPlan& plan) {
+/// `SEQUENCE VARIANT NUMBER there` on a line for each run, or `missing`: what is damaged or of
+/// other settings is missing.
+std::string plan_text(const PaperRequest& request, const PaperPlan& plan) {
   std::string out;
   for (const PaperRun& run : plan.runs) {
-    out += fmt::format("{} {} {}\n", run.sequence.name, run.variant, run.run);
+    out += fmt::format("{} {} {} {}\n", run.sequence.name, run.variant, run.run,
+                       earlier_figures(request, run) ? "there" : "missing");
   }
   return out;
 }
@@ -321,7 +323,7 @@ Result<std::string> bench_paper(const PaperRequest& request) {
   Result<PaperPlan> plan = find_sequences(request);
   if (!plan) return plan.error();
   plan_runs(request, *plan);
-  if (request.plan) return plan_text(*plan);
+  if (request.plan) return plan_text(request, *plan);
   std::error_code failure;
   fs::create_directories(request.out, failure);
   if (failure) return Error{fmt::format("{}: cannot be made: {}", request.out, failure.message())};
