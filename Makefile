@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: help deps configure build test demo bench check format tidy asan tsan faults fuzz \
-  mutants install clean
+  mutants install package wheel clean
 
 # How many compilers and tests run at once; sanitized compilers need about 1.5 GB each.
 JOBS ?= $(shell nproc)
@@ -74,6 +74,14 @@ mutants: deps  ## Change the rules of dynamics/ one by one: does a test notice? 
 install: build  ## Install binary, libraries, headers and configurations below PREFIX (/usr/local)
 	@cmake --build --preset release --parallel $(JOBS)
 	@cmake --install build --prefix $(PREFIX)
+
+package: configure  ## Debian packages in build/packages; tools/check-package tries them in a bare Debian
+	@cmake --build --preset release --parallel $(JOBS) --target ydd_packaged
+	@cd build && cpack -G DEB
+
+wheel: configure  ## The Python module as a wheel for pip, in build/wheel (docs/python.md)
+	@cmake --build --preset release --parallel $(JOBS) --target ydd_python
+	@tools/make-wheel build
 
 clean:  ## Remove what was built (not runs/)
 	@rm -rf build build-*

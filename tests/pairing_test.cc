@@ -103,6 +103,34 @@ TEST(Pairing, ThePicturesOfARealCameraToo) {
   EXPECT_NEAR(offset_s(100), own_s - 0.1, 0.004);
 }
 
+/// Depth that lies 4 px to the right of colour, in a picture 320 px wide.
+fs::path shifted_walk() {
+  return small_world("shifted",
+                     {"--frames", fmt::format("{}", kLength), "--set", "registration_off_px=8"});
+}
+
+TEST(DepthShift, DepthThatLiesAsideIsToldAndMovedBack) {
+  const TemporaryFolder folder;
+  const auto shift_of = [&](const fs::path& sequence, std::vector<std::string> options) {
+    const Told told = run(sequence, folder / "o", std::move(options));
+    const bool warned = told.err.find("and is moved back") != std::string::npos;
+    const json summary = json::parse(read_file(folder / "o" / "summary.json").value());
+    return std::pair(summary.at("depth_shift_px"), warned);
+  };
+  EXPECT_EQ(shift_of(shifted_walk(), {}), std::pair(json({4, 0}), true));
+  EXPECT_EQ(shift_of(shifted_walk(), {"--depth-shift", "0,0"}), std::pair(json({0, 0}), false));
+  EXPECT_EQ(shift_of(walk(), {}), std::pair(json({0, 0}), false));
+  EXPECT_EQ(shift_of(walk(), {"--depth-shift", "-1,2"}), std::pair(json({-1, 2}), false));
+}
+
+TEST(DepthShift, OneThatIsNoneIsRefused) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      ydd_slam({"run", walk(), "--detector", "none", "--depth-shift", "3", "--out", folder / "o"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("--depth-shift): expected whole pixels RIGHT,DOWN"));
+}
+
 TEST(Pairing, AnOffsetThatIsNoneIsRefused) {
   const TemporaryFolder folder;
   const Outcome outcome = ydd_slam(

@@ -30,6 +30,8 @@ void add_input_options(CLI::App& command, RunRequest& request) {
                      "Largest time between paired images in seconds");
   command.add_option("--depth-offset", request.depth_offset,
                      "Seconds to add to the stamps of depth images, or auto: look at the pictures");
+  command.add_option("--depth-shift", request.depth_shift,
+                     "Pixels RIGHT,DOWN that depth lies off colour, or auto: look at the pictures");
   command
       .add_option("--start-frame", request.first_frame, "Leave out so many frames at the beginning")
       ->check(CLI::Range(0, 1000000000));

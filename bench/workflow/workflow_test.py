@@ -4,6 +4,7 @@
 A stand-in for ydd-slam, which does what `bench paper` promises in milliseconds, lets jobs be killed and
 counted; one test runs the real program (YDD_BINARY). Skipped with a line where Snakemake or Slurm are missing.
 """
+import importlib.util
 import json
 import os
 import pathlib
@@ -62,7 +63,10 @@ def wait_until(condition, seconds=120):
     raise TimeoutError("what is waited for does not come")
 
 
-@unittest.skipUnless(shutil.which("snakemake"), "no snakemake here (Debian: apt-get install snakemake)")
+@unittest.skipUnless(
+    shutil.which("snakemake") and importlib.util.find_spec("yaml"),
+    "no snakemake with python3-yaml here (Debian: apt-get install snakemake)",
+)
 class Workflow(unittest.TestCase):
     def setUp(self):
         scratch = tempfile.TemporaryDirectory()
@@ -209,7 +213,6 @@ def free_port():
         return s.getsockname()[1]
 
 
-@unittest.skipUnless(shutil.which("snakemake"), "no snakemake here (Debian: apt-get install snakemake)")
 @unittest.skipUnless(
     all(shutil.which(p, path=PATH) for p in SLURM),
     f"no Slurm here (Debian: apt-get install {' '.join(dict.fromkeys(SLURM.values()))})",

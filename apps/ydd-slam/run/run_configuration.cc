@@ -54,6 +54,7 @@ Result<Configuration> configuration_with(const RunRequest& request, const Camera
   if (request.topic_depth) out.sequence.topic_depth = *request.topic_depth;
   if (request.topic_camera_info) out.sequence.topic_camera_info = *request.topic_camera_info;
   if (request.depth_offset) out.sequence.depth_offset = *request.depth_offset;
+  if (request.depth_shift) out.sequence.depth_shift = *request.depth_shift;
   if (request.first_frame) out.sequence.first_frame = *request.first_frame;
   if (request.max_frames) out.sequence.max_frames = *request.max_frames;
   if (request.associations) {  // the configuration may be fed back in another folder

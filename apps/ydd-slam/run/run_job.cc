@@ -31,6 +31,16 @@ struct Inputs {
   MotionSamples motion;
 };
 
+/// Depth that is moved is reported: what the pictures show is not what the recording says.
+void tell_depth_shift(const Sequence& sequence, const SequenceOptions& options) {
+  const DepthShift shift = sequence.depth_shift();
+  if (shift.none() || options.depth_shift != "auto") return;
+  log::warning(
+      "{}: depth lies {} px to the right of colour and {} px below it, and is moved back; "
+      "calibrate the registration, or say --depth-shift 0,0 to leave it",
+      sequence.place().string(), shift.right_px, shift.down_px);
+}
+
 /// Images without a partner are reported: they are not part of the run.
 void tell_pairing(const Sequence& sequence, const SequenceOptions& options) {
   const std::optional<Pairing>& pairing = sequence.pairing();
@@ -124,6 +134,7 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   listeners.pictures = *std::move(pictures);
 
   tell_pairing(inputs->sequence, inputs->configuration.sequence);
+  tell_depth_shift(inputs->sequence, inputs->configuration.sequence);
   settle_detect_mode(*inputs);
   const bool has_detector = inputs->detector != nullptr;
   SlamSystem system(camera, inputs->configuration.options, inputs->catalogue,

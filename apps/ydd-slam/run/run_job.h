@@ -50,7 +50,7 @@ struct RunRequest {
   std::optional<int> first_frame;          ///< configuration's
   std::optional<int> max_frames;
   std::optional<std::string> associations;
-  std::optional<std::string> depth_offset;
+  std::optional<std::string> depth_offset, depth_shift;
   std::optional<std::string> source;
   std::optional<std::string> topic_colour, topic_depth, topic_camera_info;  ///< of a bag
   ViewRequest view;

@@ -121,6 +121,7 @@ std::string summary_of(const RunResults& results, bool has_detector, double wall
     run.groundtruth = fs::absolute(*file).lexically_normal().string();
   }
   run.pairing = results.sequence.pairing();
+  run.depth_shift = results.sequence.depth_shift();
   run.incomplete = results.end.incomplete;
   run.versions = library_versions();
   return results.listeners.recorder.summary_json(run, results.system, wall_s);

@@ -88,33 +88,65 @@ struct Witness {
   SE3 T_camera_world;
 };
 
-std::vector<Witness> witnesses_of(const Atlas& atlas, const KeyFrame& keyframe,
-                                  const Pictures& pictures, int most) {
-  std::vector<Witness> out;
+struct Witnesses {
+  std::vector<Witness> nearest;  ///< that share most points
+  std::vector<Witness> latest;   ///< that came after the keyframe, the last one first
+};
+
+Witnesses witnesses_of(const Atlas& atlas, const KeyFrame& keyframe, const Pictures& pictures,
+                       const DenseCloudOptions& options) {
+  Witnesses out;
+  std::vector<std::pair<std::int64_t, Witness>> later;
   for (const Covisible& c : keyframe.covisible) {
-    if (static_cast<int>(out.size()) >= most) break;
     const RawDepthImage* const depth_mm = pictures.depth_mm(c.keyframe);
-    if (depth_mm) out.push_back({depth_mm, atlas.at(c.keyframe).T_world_camera.inverse()});
+    if (!depth_mm) continue;
+    const KeyFrame& other = atlas.at(c.keyframe);
+    const Witness witness{depth_mm, other.T_world_camera.inverse()};
+    if (static_cast<int>(out.nearest.size()) < options.witnesses) out.nearest.push_back(witness);
+    if (other.serial > keyframe.serial) later.emplace_back(other.serial, witness);
+  }
+  std::sort(later.begin(), later.end(),
+            [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [serial, witness] : later) {
+    if (static_cast<int>(out.latest.size()) >= options.latest_witnesses) break;
+    out.latest.push_back(witness);
   }
   return out;
 }
 
-/// Whether more witnesses look through the point than see it.
-bool seen_through(const Pictures& pictures, const std::vector<Witness>& witnesses,
-                  const Eigen::Vector3d& p_world) {
+enum class Testimony { none, sees, looks_through };
+
+Testimony ask(const Pictures& pictures, const Witness& witness, const Eigen::Vector3d& p_world) {
+  const Eigen::Vector3d p_camera = witness.T_camera_world * p_world;
+  const double reading_m = pictures.reading_m(*witness.depth_mm, p_camera);
+  const double tolerance_m = std::max(kTolerance_m, kToleranceShare * p_camera.z());
+  if (reading_m <= 0 || reading_m < p_camera.z() - tolerance_m) return Testimony::none;
+  return reading_m > p_camera.z() + tolerance_m ? Testimony::looks_through : Testimony::sees;
+}
+
+/// Whether more of the nearest witnesses look through the point than see it.
+bool stood_never(const Pictures& pictures, const std::vector<Witness>& nearest,
+                 const Eigen::Vector3d& p_world) {
   int balance = 0;
-  for (const Witness& w : witnesses) {
-    const Eigen::Vector3d p_camera = w.T_camera_world * p_world;
-    const double reading_m = pictures.reading_m(*w.depth_mm, p_camera);
-    if (reading_m <= 0) continue;
-    const double tolerance_m = std::max(kTolerance_m, kToleranceShare * p_camera.z());
-    if (reading_m > p_camera.z() + tolerance_m) {
-      --balance;
-    } else if (reading_m > p_camera.z() - tolerance_m) {
-      ++balance;
-    }
+  for (const Witness& w : nearest) {
+    const Testimony says = ask(pictures, w, p_world);
+    balance += says == Testimony::sees ? 1 : says == Testimony::looks_through ? -1 : 0;
   }
   return balance < 0;
+}
+
+/// Whether the last who say anything of the point look through it.
+bool is_gone(const Pictures& pictures, const std::vector<Witness>& latest,
+             const Eigen::Vector3d& p_world) {
+  constexpr int kSure = 2;
+  int through = 0;
+  for (const Witness& w : latest) {
+    const Testimony says = ask(pictures, w, p_world);
+    if (says == Testimony::sees) return false;
+    through += says == Testimony::looks_through ? 1 : 0;
+    if (through >= kSure) return true;
+  }
+  return false;
 }
 
 Result<KeyframeCloud> cloud_of(const Atlas& atlas, KeyFrameId id, Pictures& pictures,
@@ -122,7 +154,7 @@ Result<KeyframeCloud> cloud_of(const Atlas& atlas, KeyFrameId id, Pictures& pict
   const KeyFrame& keyframe = atlas.at(id);
   const Result<OpenPicture> picture = open_keyframe_picture(*keyframe.picture);
   if (!picture) return picture.error();
-  const auto witnesses = witnesses_of(atlas, keyframe, pictures, options.witnesses);
+  const auto witnesses = witnesses_of(atlas, keyframe, pictures, options);
   const RawDepthImage& depth_mm = picture->depth_mm;
   KeyframeCloud cloud{id, keyframe.T_world_camera.translation().cast<float>(), {}};
   for (int y = 0; y < depth_mm.height(); ++y) {
@@ -131,7 +163,8 @@ Result<KeyframeCloud> cloud_of(const Atlas& atlas, KeyFrameId id, Pictures& pict
       if (depth_m <= 0 || depth_m > options.max_depth_m) continue;
       const Eigen::Vector3d p_world =
           keyframe.T_world_camera * (depth_m * pictures.ray(depth_mm, x, y));
-      if (seen_through(pictures, witnesses, p_world)) continue;
+      if (stood_never(pictures, witnesses.nearest, p_world)) continue;
+      if (is_gone(pictures, witnesses.latest, p_world)) continue;
       cloud.points.push_back({p_world.cast<float>(), picture->colour(x, y)});
     }
   }

@@ -16,9 +16,10 @@ struct CloudPoint {
 };
 
 struct DenseCloudOptions {
-  double voxel_m = 0.02;     ///< edge of the cubes in which points are averaged
-  double max_depth_m = 4.0;  ///< farther readings of a camera like a Kinect are too coarse
-  int witnesses = 6;         ///< covisible keyframes that are asked about each point
+  double voxel_m = 0.02;      ///< edge of the cubes in which points are averaged
+  double max_depth_m = 4.0;   ///< farther readings of a camera like a Kinect are too coarse
+  int witnesses = 6;          ///< covisible keyframes that are asked about each point, ...
+  int latest_witnesses = 16;  ///< ... and the last of all that came after
 };
 
 /// What one keyframe adds to the cloud.
@@ -33,7 +34,8 @@ struct KeyframeCloud {
 ///
 /// A point is dropped when more of the keyframe's best covisible neighbours look through it than
 /// see it: what moved without being detected stands in free space for everyone who came earlier or
-/// later. Failure: the first picture that cannot be opened.
+/// later. It is dropped, too, when the last two who say anything of it look through it: a chair
+/// that stood there on an earlier visit. Failure: the first picture that cannot be opened.
 Result<void> for_each_keyframe_cloud(const Atlas& atlas, MapId map,
                                      const DenseCloudOptions& options,
                                      const std::function<void(const KeyframeCloud&)>& visit);

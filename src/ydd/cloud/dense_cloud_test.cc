@@ -16,8 +16,7 @@ namespace {
 
 namespace tw = testing_world;
 
-/// A wall at z = 3 m of the world, seen by a camera that moves sideways; `ghost_in` names the
-/// picture in which something stands at 1.5 m that nobody detected.
+/// A wall at z = 3 m of the world; with `ghost` something stands at 1.5 m that nobody detected.
 PictureSource wall_picture(const Camera& camera, double camera_z_m, bool ghost) {
   std::vector<float> depth_m;
   std::vector<Bgr> colour;
@@ -38,15 +37,18 @@ struct Scene {
   MapId map;
 };
 
-Scene wall_scene(bool ghost, bool distorted = false) {
+/// Seen by a camera that moves sideways; `ghost_in` tells of each picture whether the thing is
+/// there.
+Scene walls_scene(const std::vector<bool>& ghost_in, bool distorted = false) {
   tw::PointWorld world = tw::make_world(300, 5);
   if (distorted) {
     world.camera.k1 = 0.1;
     world.camera.p1 = 0.001;
   }
   std::vector<tw::View> views;
-  for (int i = 0; i < 4; ++i) {
-    views.push_back(tw::look(world, SE3(Eigen::Quaterniond::Identity(), {0.05 * i, 0, 0})));
+  for (std::size_t i = 0; i < ghost_in.size(); ++i) {
+    views.push_back(tw::look(
+        world, SE3(Eigen::Quaterniond::Identity(), {0.05 * static_cast<double>(i), 0, 0})));
   }
   Scene scene{Atlas(world.camera, world.scales), {}};
   scene.map = scene.atlas.new_map();
@@ -55,7 +57,7 @@ Scene wall_scene(bool ghost, bool distorted = false) {
     KeyFrame keyframe = tw::keyframe_of(views[v], static_cast<std::int64_t>(v));
     keyframe.map = scene.map;
     keyframe.picture = std::make_shared<const KeyFramePicture>(
-        make_keyframe_picture(wall_picture(world.camera, 0, ghost && v == 2)));
+        make_keyframe_picture(wall_picture(world.camera, 0, ghost_in[v])));
     const KeyFrameId id = scene.atlas.add_keyframe(std::move(keyframe));
     for (std::size_t k = 0; k < views[v].shown.size(); ++k) {
       MapPointId& point = points[static_cast<std::size_t>(views[v].shown[k])];
@@ -68,6 +70,16 @@ Scene wall_scene(bool ghost, bool distorted = false) {
     scene.atlas.refresh_covisibility(id, 15);
   }
   return scene;
+}
+
+Scene wall_scene(bool ghost, bool distorted = false) {
+  return walls_scene({false, false, ghost, false}, distorted);
+}
+
+std::ptrdiff_t near_points(const Scene& scene, const DenseCloudOptions& options) {
+  const auto cloud = dense_cloud(scene.atlas, scene.map, options).value();
+  return std::count_if(cloud.begin(), cloud.end(),
+                       [](const CloudPoint& p) { return p.p_world.z() < 2.5F; });
 }
 
 TEST(DenseCloud, IsTheSurfaceThatWasSeen) {
@@ -84,13 +96,22 @@ TEST(DenseCloud, IsTheSurfaceThatWasSeen) {
 
 TEST(DenseCloud, WhatOthersLookThroughIsDropped) {
   const Scene scene = wall_scene(true);
-  const auto near = [&](int witnesses) {
-    const auto cloud = dense_cloud(scene.atlas, scene.map, {0.05, 4.0, witnesses}).value();
-    return std::count_if(cloud.begin(), cloud.end(),
-                         [](const CloudPoint& p) { return p.p_world.z() < 2.5F; });
-  };
-  EXPECT_GT(near(0), 10);
-  EXPECT_EQ(near(6), 0);
+  EXPECT_GT(near_points(scene, {0.05, 4.0, 0, 0}), 10);
+  EXPECT_EQ(near_points(scene, {0.05, 4.0, 6, 0}), 0);
+}
+
+TEST(DenseCloud, WhatIsGoneOnALaterVisitIsDropped) {
+  const Scene taken_away = walls_scene({true, true, true, true, true, false, false});
+  EXPECT_GT(near_points(taken_away, {0.05, 4.0, 6, 0}), 10);
+  EXPECT_EQ(near_points(taken_away, {}), 0);
+}
+
+TEST(DenseCloud, WhatOnePictureDoesNotShowAtTheEndStays) {
+  EXPECT_GT(near_points(walls_scene({true, true, true, true, true, false}), {}), 10);
+}
+
+TEST(DenseCloud, WhatHasComeStays) {
+  EXPECT_GT(near_points(walls_scene({false, false, true, true, true, true, true}), {}), 10);
 }
 
 TEST(DenseCloud, FartherReadingsThanAskedForAreLeftOut) {

@@ -75,6 +75,11 @@ void mark_region(const DepthImage& half_m, const MovingRegion& region, std::vect
   const int y1 = bound(0.5F * region.box.y1 + margin_px + 1.0F, half_m.height());
   for (int y = y0; y < y1; ++y) {
     for (int x = x0; x < x1; ++x) {
+      if (!region.mask.empty()) {
+        if (!region.on_mask(2.0F * static_cast<float>(x), 2.0F * static_cast<float>(y))) continue;
+        mask[static_cast<std::size_t>(y) * half_m.width() + x] = true;
+        continue;
+      }
       // Without a reading it has no depth to keep, whatever it is.
       const bool behind = region.range && half_m(x, y) > region.range->max_m + kBehind_m;
       if (!behind) mask[static_cast<std::size_t>(y) * half_m.width() + x] = true;

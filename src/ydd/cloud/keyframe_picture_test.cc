@@ -82,6 +82,18 @@ TEST(KeyframePicture, WhatWasSeenToMoveGoesWithoutABox) {
   EXPECT_EQ(picture.depth_mm(70, 35), 3000);
 }
 
+TEST(KeyframePicture, OfAMaskNothingElseOfTheBoxGoes) {
+  PictureSource source = person_before_a_wall({});
+  std::vector<std::uint8_t> mask;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) mask.push_back(source.depth_m(x, y) < 2.0F);
+  }
+  source.moving.front().mask = GreyImage(kWidth, kHeight, std::move(mask));
+  const OpenPicture picture = reopened(source);
+  EXPECT_EQ(traces_of_the_person(picture), (std::pair{0, 0}));
+  EXPECT_EQ(picture.depth_mm(31, 16), 3000);  // in the box
+}
+
 TEST(KeyframePicture, WithoutARangeTheWholeBoxGoes) {
   const OpenPicture picture = reopened(person_before_a_wall({}));
   EXPECT_EQ(traces_of_the_person(picture), (std::pair{0, 0}));

@@ -11,6 +11,7 @@
 
 #include "ydd/base/timing.h"
 #include "ydd/dataset/association.h"
+#include "ydd/dataset/depth_edges.h"
 
 namespace ydd {
 namespace {
@@ -20,12 +21,6 @@ constexpr int kMostShift = 8;          // depth images from the nearest one
 constexpr std::size_t kPictures = 40;  // colour images that are looked at
 constexpr std::size_t kFewest = 5;     // of them that must tell something
 constexpr double kFewestEdges = 200;
-
-/// A step of depth that is no slope: it grows with distance as the sensor's noise does.
-bool is_edge(int a, int b) {
-  constexpr double kStep = 0.06;
-  return a > 0 && b > 0 && std::abs(a - b) > kStep * std::min(a, b);
-}
 
 struct Sums {
   double all = 0, at_edges = 0, pixels = 0, edges = 0;
@@ -112,13 +107,13 @@ double peak_s(const Shifts& shifts, int best) {
 
 std::optional<double> edge_agreement(const GreyImage& grey, const RawDepthImage& depth) {
   if (grey.width() != depth.width() || grey.height() != depth.height()) return std::nullopt;
-  constexpr int kReach = 2;  // px: across the seam between the two surfaces
+  constexpr int kReach = kDepthEdgeReach_px;
   Sums sums;
   for (int y = 0; y + kReach < grey.height(); y += 2) {
     for (int x = 0; x + kReach < grey.width(); ++x) {
       for (const auto& [dx, dy] : {std::array{kReach, 0}, std::array{0, kReach}}) {
         sums.add(std::abs(grey(x + dx, y + dy) - grey(x, y)),
-                 is_edge(depth(x, y), depth(x + dx, y + dy)));
+                 is_depth_edge(depth(x, y), depth(x + dx, y + dy)));
       }
     }
   }

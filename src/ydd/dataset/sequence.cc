@@ -152,6 +152,9 @@ void SequenceOptions::describe(OptionTable& table) {
   table.add("depth_offset", depth_offset, {},
             "seconds to add to the stamps of depth images before pairing by time; auto: found by "
             "laying edges of depth over the colour images");
+  table.add("depth_shift", depth_shift, {},
+            "how far depth lies to the right of colour and below it, RIGHT,DOWN in px; it is moved "
+            "back. auto: found where edges of depth fit the colour images far better elsewhere");
   table.add("first_frame", first_frame, {0, 1'000'000'000}, "frames",
             "leave out so many frames at the beginning");
   table.add("max_frames", max_frames, {0, 1'000'000'000}, "frames",
@@ -170,12 +173,31 @@ Result<Sequence> Sequence::of(Recording recording, const SequenceOptions& option
   Result<Paired> paired =
       recording.pairs ? Result(pair_as_told(recording)) : pair_by_time(recording, options);
   if (!paired) return paired.error();
-  if (auto r = select(paired->entries, options, recording.place); !r) return r.error();
   Sequence sequence;
   sequence.recording_ = std::move(recording);
   sequence.entries_ = std::move(paired->entries);
   sequence.pairing_ = paired->pairing;
+  // Of the whole recording, so that a part of it is read as all of it is.
+  const Result<DepthShift> shift = sequence.find_depth_shift(options.depth_shift);
+  if (!shift) return shift.error();
+  sequence.depth_shift_ = *shift;
+  if (auto r = select(sequence.entries_, options, sequence.place()); !r) return r.error();
   return sequence;
+}
+
+Result<DepthShift> Sequence::find_depth_shift(const std::string& asked) const {
+  if (asked == "auto") {
+    return estimate_depth_shift(size(), [this](std::size_t i) -> Result<LaidPair> {
+      const Result<ColourImage> colour = read_colour(i);
+      if (!colour) return colour.error();
+      Result<RawDepthImage> depth = read_depth_counts(i);
+      if (!depth) return depth.error();
+      return LaidPair{to_grey(*colour), *std::move(depth)};
+    });
+  }
+  const Result<DepthShift> shift = parse_depth_shift(asked);
+  if (shift) return *shift;
+  return Error{"sequence.depth_shift (--depth-shift): " + shift.error().message + ", or 'auto'"};
 }
 
 Result<RgbdFrame> Sequence::read(std::size_t i, const Camera& camera) const {
@@ -198,6 +220,7 @@ Result<RgbdFrame> Sequence::read(std::size_t i, const Camera& camera) const {
   if (!colour) return colour.error();
   Result<DepthImage> depth_m = d->metres(camera);
   if (!depth_m) return depth_m.error();
+  if (!depth_shift_.none()) *depth_m = laid_over(*depth_m, depth_shift_);
   GreyImage grey = to_grey(*colour);
   return RgbdFrame{static_cast<std::int64_t>(i), e.stamp, std::move(grey), *std::move(colour),
                    *std::move(depth_m)};

@@ -10,6 +10,7 @@
 #include "ydd/base/options.h"
 #include "ydd/base/result.h"
 #include "ydd/base/timestamp.h"
+#include "ydd/dataset/depth_shift.h"
 #include "ydd/dataset/pairing.h"
 #include "ydd/dataset/recording.h"
 #include "ydd/geometry/camera.h"
@@ -19,13 +20,14 @@ namespace ydd {
 
 struct SequenceOptions {
   double max_difference_s = 0.02;
-  int first_frame = 0;             ///< earlier ones are left out; this one then has index 0
-  int max_frames = 0;              ///< as many frames at most; 0: all
-  std::string associations = {};   ///< file of "stamp colour stamp depth" lines; empty: as the
-                                   ///< recording says, else by time
-  std::string depth_offset = "0";  ///< seconds added to depth stamps before pairing, or "auto"
-  std::string source = {};         ///< name of the source; empty: told by what lies there
-  std::string topic_colour = {};   ///< of a bag; empty: told by encodings and names
+  int first_frame = 0;               ///< earlier ones are left out; this one then has index 0
+  int max_frames = 0;                ///< as many frames at most; 0: all
+  std::string associations = {};     ///< file of "stamp colour stamp depth" lines; empty: as the
+                                     ///< recording says, else by time
+  std::string depth_offset = "0";    ///< seconds added to depth stamps before pairing, or "auto"
+  std::string depth_shift = "auto";  ///< "RIGHT,DOWN" in px that depth is off, or "auto"
+  std::string source = {};           ///< name of the source; empty: told by what lies there
+  std::string topic_colour = {};     ///< of a bag; empty: told by encodings and names
   std::string topic_depth = {};
   std::string topic_camera_info = {};
 
@@ -44,7 +46,7 @@ struct SequenceEntry {
 class Sequence {
  public:
   /// Pairs colour with depth, as the recording says or by time (one-to-one, `associate`). Pictures
-  /// are not opened, except to find the depth offset "auto".
+  /// are not opened, except to find what is "auto".
   static Result<Sequence> of(Recording recording, const SequenceOptions& options = {});
 
   std::size_t size() const { return entries_.size(); }
@@ -60,7 +62,11 @@ class Sequence {
   /// How pairing by time went; nothing where the recording said what belongs together.
   const std::optional<Pairing>& pairing() const { return pairing_; }
 
-  /// Decodes frame `i` (< size()). Both images must have the camera's size.
+  /// How far depth lies off colour, as told or (`auto`) as the pictures show it without doubt.
+  DepthShift depth_shift() const { return depth_shift_; }
+
+  /// Decodes frame `i` (< size()). Both images must have the camera's size. Depth is moved back by
+  /// the depth shift.
   Result<RgbdFrame> read(std::size_t i, const Camera& camera) const;
   /// The colour image of frame `i` alone, of whatever size.
   Result<ColourImage> read_colour(std::size_t i) const;
@@ -68,9 +74,12 @@ class Sequence {
   Result<RawDepthImage> read_depth_counts(std::size_t i) const;
 
  private:
+  Result<DepthShift> find_depth_shift(const std::string& asked) const;
+
   Recording recording_;
   std::vector<SequenceEntry> entries_;
   std::optional<Pairing> pairing_;
+  DepthShift depth_shift_;
 };
 
 }  // namespace ydd

@@ -2,6 +2,7 @@
 #include "ydd/detection/boxes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace ydd {
@@ -25,6 +26,20 @@ Detections clipped(Detections detections, float width_px, float height_px) {
   std::erase_if(detections,
                 [](const Detection& d) { return d.box.width() < 1.0F || d.box.height() < 1.0F; });
   return detections;
+}
+
+bool reaches_far_beyond(const Box& box, float width_px, float height_px) {
+  return box.x0 < -0.5F * width_px || box.y0 < -0.5F * height_px || box.x1 > 1.5F * width_px ||
+         box.y1 > 1.5F * height_px;
+}
+
+bool lies_in_first_pixel(const Box& box) {
+  return box.x0 >= 0 && box.y0 >= 0 && box.x1 <= 1 && box.y1 <= 1;
+}
+
+bool has_whole_sides(const Box& box) {
+  const auto is_whole = [](float v) { return v == std::floor(v); };
+  return is_whole(box.x0) && is_whole(box.y0) && is_whole(box.x1) && is_whole(box.y1);
 }
 
 Detections sorted_by_score(Detections detections) {

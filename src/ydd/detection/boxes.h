@@ -21,6 +21,14 @@ Box clipped(const Box& box, float width_px, float height_px);
 /// All boxes cut to the image; those of which less than a pixel each way remains are left out.
 Detections clipped(Detections detections, float width_px, float height_px);
 
+/// Whether more than half a picture of the box lies beyond it: it belongs to a picture of another
+/// size.
+bool reaches_far_beyond(const Box& box, float width_px, float height_px);
+/// Whether nothing of the box lies outside of [0, 1]: it may be in fractions of the picture, ...
+bool lies_in_first_pixel(const Box& box);
+/// ... unless its sides are whole numbers.
+bool has_whole_sides(const Box& box);
+
 /// By falling score, equal scores in the order given.
 Detections sorted_by_score(Detections detections);
 

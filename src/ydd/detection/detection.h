@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "ydd/image/image.h"
+
 namespace ydd {
 
 /// An axis-parallel box in image pixels, [x0, x1) x [y0, y1).
@@ -31,6 +33,8 @@ struct Detection {
   std::string class_name;  ///< as in the object catalogue: "person", "head", "chair"
   float score = 1.0F;      ///< confidence in [0, 1]
   Box box;                 ///< inside the image
+  GreyImage mask = {};     ///< of the image's size: not 0 where the object is seen; empty: only the
+                           ///< box is known
 };
 
 using Detections = std::vector<Detection>;

@@ -131,11 +131,8 @@ const Box* fraction_box(const std::vector<RecordedFrame>& frames) {
   for (const RecordedFrame& frame : frames) {
     for (const RecordedDetection& d : frame.detections) {
       const Box& b = d.detection.box;
-      const auto is_whole = [](float v) { return v == std::floor(v); };
-      const bool in_first_pixel = b.x0 >= 0 && b.y0 >= 0 && b.x1 <= 1 && b.y1 <= 1;
-      if (!in_first_pixel) return nullptr;
-      const bool is_pixel = is_whole(b.x0) && is_whole(b.y0) && is_whole(b.x1) && is_whole(b.y1);
-      if (first == nullptr && !is_pixel) first = &b;
+      if (!lies_in_first_pixel(b)) return nullptr;
+      if (first == nullptr && !has_whole_sides(b)) first = &b;
     }
   }
   return first;
@@ -282,8 +279,7 @@ Result<Detections> RecordedDetector::detect(const RgbdFrame& frame) {
   out.reserve(recorded->detections.size());
   for (const RecordedDetection& d : recorded->detections) {
     const Box& b = d.detection.box;
-    if (b.x0 < -0.5F * width_px || b.y0 < -0.5F * height_px || b.x1 > 1.5F * width_px ||
-        b.y1 > 1.5F * height_px) {
+    if (reaches_far_beyond(b, width_px, height_px)) {
       return Error{
           fmt::format("{}: box [{}, {}, {}, {}] of '{}' at {} reaches far beyond the picture of {} "
                       "x {}; was it "

@@ -16,6 +16,14 @@ constexpr float kCalm_s = 0.5F;        // of a region that stands still, ...
 constexpr float kLongCalm_s = 0.7F;    // ... of a surface that does, inside a region that moves
 constexpr float kSurelyStill = -3.0F;
 
+/// Whether what is seen in a cell belongs to the region.
+bool covers(const MovingRegion& region, const CellGrid& grid, int column, int row, float z_m) {
+  if (region.mask.empty()) return !region.range || region.range->contains(z_m);
+  const auto side_px = static_cast<float>(grid.cell_px);
+  return region.on_mask((static_cast<float>(column) + 0.5F) * side_px,
+                        (static_cast<float>(row) + 0.5F) * side_px);
+}
+
 /// Calls `visit(cell)` for the cells with a reading in the region.
 template <class Visit>
 void for_cells(const MovingRegion& region, const MotionOdds& odds, Visit&& visit) {
@@ -28,7 +36,7 @@ void for_cells(const MovingRegion& region, const MotionOdds& odds, Visit&& visit
     for (int column = first_column; column <= last_column; ++column) {
       const auto cell = static_cast<std::size_t>(grid.index(column, row));
       const float z_m = odds.depth.z_m[cell];
-      if (z_m > 0 && (!region.range || region.range->contains(z_m))) visit(cell);
+      if (z_m > 0 && covers(region, grid, column, row, z_m)) visit(cell);
     }
   }
 }

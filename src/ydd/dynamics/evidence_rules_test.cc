@@ -60,6 +60,21 @@ TEST(PriorOfCells, IsThatOfTheSurestRegionOverThem) {
   EXPECT_EQ(at(500, 240), 0.0F);
 }
 
+TEST(RegionOdds, OfAMaskAreThoseOfItsCells) {
+  const PaintedScene scene = PaintedScene(4.0F).paint({200, 200, 240, 280}, 2.0F);
+  const MotionOdds odds = odds_moving_at(scene, 2.0F);
+  std::vector<std::uint8_t> mask(640U * 480U);
+  for (int y = 200; y < 280; ++y) {
+    for (int x = 240; x < 280; ++x) mask[static_cast<std::size_t>(y) * 640U + x] = 1;
+  }
+  const Box box{200, 200, 279, 279};
+  // The range would take the half that moves; the mask is on the one that does not.
+  const RegionOdds found = region_odds(
+      {0, Rule::box, box, DepthRange{1.5F, 2.5F}, -1, GreyImage(640, 480, std::move(mask))}, odds);
+  EXPECT_EQ(found.cells, 50);
+  EXPECT_FLOAT_EQ(found.moving_share, 0.0F);
+}
+
 TEST(RegionOdds, AreMeansOverTheCellsInRange) {
   const PaintedScene scene = PaintedScene(4.0F).paint({200, 200, 240, 280}, 2.0F);
   const MotionOdds odds = odds_moving_at(scene, 2.0F);

@@ -89,6 +89,31 @@ TEST(Variants, FullAddsTheRest) {
               ElementsAre(Rule::body_depth, Rule::kept, Rule::automatic_depth));
 }
 
+TEST(Variants, AMaskStandsForBoxAndDepth) {
+  PaintedScene scene = one_person();
+  const Box person = scene.detections().front().box;
+  std::vector<std::uint8_t> mask(640U * 480U);
+  // The upper half of the box, wall and all; the body's lower half is not on it.
+  const auto middle = static_cast<int>((person.y0 + person.y1) / 2);
+  for (auto y = static_cast<int>(person.y0); y < middle; ++y) {
+    for (auto x = static_cast<int>(person.x0); x < static_cast<int>(person.x1); ++x) {
+      mask[static_cast<std::size_t>(y) * 640U + static_cast<std::size_t>(x)] = 1;
+    }
+  }
+  Detections masked = scene.detections();
+  masked.front().mask = GreyImage(640, 480, std::move(mask));
+  const float x = (person.x0 + person.x1) / 2;
+  const Features points = scene.points(
+      {{x, person.y0 + 20}, {person.x0 + 2, person.y0 + 20}, {x, static_cast<float>(middle) + 20}});
+  for (const char* name : {"box", "person", "full"}) {
+    const Judgement judgement =
+        judge_frame(variant(name), ObjectCatalogue::defaults(), points, masked, scene.depth());
+    EXPECT_NE(judgement.rules[0], Rule::kept) << name;
+    EXPECT_NE(judgement.rules[1], Rule::kept) << name << ": the wall, on the mask";
+    EXPECT_EQ(judgement.rules[2], Rule::kept) << name << ": the body, not on the mask";
+  }
+}
+
 // --- Bodies (sections 4 and 5) ------------------------------------------------------------------
 
 TEST(Body, HeadAndHandsAreMatchedAndExplained) {

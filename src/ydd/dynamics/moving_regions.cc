@@ -17,7 +17,11 @@ bool is_small(const Scene& scene, const Box& box, const DynamicsOptions& options
 
 MovingRegion region_of(const Scene& scene, int object, Rule rule,
                        std::optional<DepthRange> range = std::nullopt) {
-  return {.object = object, .rule = rule, .box = scene.objects[object].box, .range = range};
+  return {.object = object,
+          .rule = rule,
+          .box = scene.objects[object].box,
+          .range = range,
+          .mask = scene.objects[object].mask};
 }
 
 /// Calls `visit(index)` for all objects of that category or kind.
@@ -173,6 +177,7 @@ MovingRegion hand_region(const Scene& scene, int object, const DynamicsOptions& 
                                   DepthRange{static_cast<float>(centre_m - scene.extents.small_m),
                                              static_cast<float>(centre_m + scene.extents.small_m)});
   region.box = scaled(region.box, static_cast<float>(options.hand_scale));
+  region.mask = {};  // what the hand holds is not on it
   return region;
 }
 

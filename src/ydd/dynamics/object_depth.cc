@@ -148,6 +148,7 @@ std::vector<SceneObject> measure_objects(const Detections& detections,
     if (object.subcategory == Subcategory::stationary) continue;
     object.detection = static_cast<int>(i);
     object.box = detection.box;
+    object.mask = detection.mask;
     object.extent_m = catalogue.extent_m(detection.class_name);
     objects.push_back(object);
   }

@@ -39,6 +39,7 @@ struct SceneObject {
   Box box;
   double extent_m = 0;
   std::optional<float> depth_m;  ///< none: its depth failed
+  GreyImage mask = {};           ///< as Detection::mask
 };
 
 /// Looks up and measures every detection that is not static, in the order given: heads at their

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "ydd/dynamics/object_depth.h"
 
@@ -35,15 +36,25 @@ bool in_any_box(std::span<const MovingRegion> regions, const PointSample& point)
 
 }  // namespace
 
+bool MovingRegion::on_mask(float x_px, float y_px) const {
+  const auto x = static_cast<int>(std::floor(x_px + 0.5F));
+  const auto y = static_cast<int>(std::floor(y_px + 0.5F));
+  return mask.contains(x, y) && mask(x, y) != 0;
+}
+
 bool in_region(const MovingRegion& region, const PointSample& point) {
-  return region.box.contains(point.x_px, point.y_px) &&
-         (!region.range || region.range->contains(point.depth_m));
+  if (!region.box.contains(point.x_px, point.y_px)) return false;
+  if (!region.mask.empty()) return region.on_mask(point.x_px, point.y_px);
+  return !region.range || region.range->contains(point.depth_m);
 }
 
 bool at_edge(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
              float radius_px) {
-  if (!region.range || !grown(region.box, radius_px).contains(point.x_px, point.y_px)) return false;
+  const bool masked = !region.mask.empty();
+  if (!masked && !region.range) return false;
+  if (!grown(region.box, radius_px).contains(point.x_px, point.y_px)) return false;
   const auto moving = [&](float dx, float dy) {
+    if (masked) return region.on_mask(point.x_px + dx, point.y_px + dy);
     return region.range->contains(depth_at(depth_m, point.x_px + dx, point.y_px + dy));
   };
   return moving(-radius_px, 0) || moving(radius_px, 0) || moving(0, -radius_px) ||
@@ -60,7 +71,8 @@ Surroundings surroundings_of(const PointSample& point, const DepthImage& depth_m
 
 bool surrounded_by(const MovingRegion& region, const PointSample& point,
                    const Surroundings& surroundings, int axes) {
-  if (!region.range || point.depth_m > 0.0F || !region.box.contains(point.x_px, point.y_px)) {
+  if (!region.range || !region.mask.empty() || point.depth_m > 0.0F ||
+      !region.box.contains(point.x_px, point.y_px)) {
     return false;
   }
   int enclosing = 0;

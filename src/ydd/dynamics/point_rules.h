@@ -12,13 +12,17 @@
 
 namespace ydd {
 
-/// A box in which points at some depths are on something that moves.
+/// A box in which points at some depths, or those on a mask, are on something that moves.
 struct MovingRegion {
   int object = -1;  ///< index into the scene objects
   Rule rule = Rule::kept;
   Box box;
   std::optional<DepthRange> range;  ///< none: full rejection, every point in the box goes
   std::int64_t track = -1;          ///< of the person it belongs to; -1: of none
+  GreyImage mask = {};              ///< not empty: tells itself what is in it, whatever the depth
+
+  /// Whether the pixel nearest to (x, y) is on the mask; false without one.
+  bool on_mask(float x_px, float y_px) const;
 };
 
 /// An image position to be judged and its depth; 0: no reading.
@@ -28,12 +32,13 @@ struct PointSample {
   float depth_m = 0;
 };
 
-/// The point is in the box, and the region rejects all of it or the depth is in its range.
+/// The point is in the box, and on the mask; without one, the region rejects all of it or the depth
+/// is in its range.
 bool in_region(const MovingRegion& region, const PointSample& point);
 
 /// The point lies in the box grown by `radius_px`, and one of the readings that far to its left,
-/// right, above and below lies in the region's range (article, section 3.5.1). Never for a full
-/// rejection, which has no range.
+/// right, above and below lies in the region's range (article, section 3.5.1), or on its mask.
+/// Never for a full rejection, which has neither.
 bool at_edge(const MovingRegion& region, const PointSample& point, const DepthImage& depth_m,
              float radius_px);
 
@@ -44,7 +49,7 @@ Surroundings surroundings_of(const PointSample& point, const DepthImage& depth_m
 
 /// The point lies in the region's box without a reading, and on at least `axes` of the four axes
 /// through it the next readings to both sides lie in the region's range. Beyond the article: holes
-/// on a body, such as the shadow of an arm. Never for a full rejection.
+/// on a body, such as the shadow of an arm. Never for a full rejection nor for a mask.
 bool surrounded_by(const MovingRegion& region, const PointSample& point,
                    const Surroundings& surroundings, int axes);
 

@@ -57,6 +57,37 @@ TEST(AtEdge, NeverOfAFullRejection) {
   EXPECT_FALSE(at_edge(kWhole, {302, 200, 4}, depth, 3));
 }
 
+/// A region with a silhouette that fills the left half of the box.
+MovingRegion masked_region(std::optional<DepthRange> range) {
+  std::vector<std::uint8_t> mask(640U * 480U);
+  for (int y = 100; y < 300; ++y) {
+    for (int x = 200; x < 250; ++x) mask[static_cast<std::size_t>(y) * 640U + x] = 1;
+  }
+  return {0, Rule::body_depth, kBox, range, -1, GreyImage(640, 480, std::move(mask))};
+}
+
+TEST(Mask, TellsWhatIsInTheRegionWhateverTheDepth) {
+  for (const auto& range : {std::optional(DepthRange{1.0F, 2.0F}), std::optional<DepthRange>()}) {
+    const MovingRegion region = masked_region(range);
+    EXPECT_TRUE(in_region(region, {220, 200, 0}));
+    EXPECT_TRUE(in_region(region, {249, 200, 9}));
+    EXPECT_FALSE(in_region(region, {250, 200, 1.5F}));
+    EXPECT_FALSE(in_region(region, {199, 200, 1.5F}));
+  }
+}
+
+TEST(Mask, HasEdgesAndNoSurroundings) {
+  const DepthImage depth = PaintedScene().depth();
+  const MovingRegion region = masked_region(std::nullopt);
+  EXPECT_TRUE(at_edge(region, {252, 200, 4}, depth, 3));
+  EXPECT_FALSE(at_edge(region, {253, 200, 4}, depth, 3));
+  EXPECT_TRUE(at_edge(region, {220, 302, 4}, depth, 3));
+  EXPECT_FALSE(at_edge(region, {260, 302, 4}, depth, 3));
+  const DepthImage hole = PaintedScene(1.5F).paint({268, 198, 273, 203}, 0.0F).depth();
+  EXPECT_TRUE(surrounded(kBody, {270, 200, 0}, hole, 24, 3));
+  EXPECT_FALSE(surrounded(masked_region(DepthRange{1.0F, 2.0F}), {270, 200, 0}, hole, 24, 3));
+}
+
 TEST(SurroundingsOf, TheNextReadingInEachDirection) {
   PaintedScene scene(0.0F);
   scene.paint({255, 200, 256, 201}, 1)

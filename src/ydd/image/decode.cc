@@ -177,6 +177,16 @@ DepthImage to_metres(const RawDepthImage& raw, const Camera& camera) {
   return {raw.width(), raw.height(), std::move(depth_m)};
 }
 
+DepthImage within_limits(const DepthImage& depth_m, const Camera& camera) {
+  const std::size_t n = std::size_t(depth_m.width()) * depth_m.height();
+  std::vector<float> out(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float z = depth_m.data()[i];
+    if (std::isfinite(z) && z > 0 && camera.is_valid_depth(z)) out[i] = z;
+  }
+  return {depth_m.width(), depth_m.height(), std::move(out)};
+}
+
 RawDepthImage to_raw_depth(const DepthImage& depth_m, double depth_scale) {
   const std::size_t n = std::size_t(depth_m.width()) * depth_m.height();
   std::vector<std::uint16_t> counts(n);

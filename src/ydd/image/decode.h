@@ -55,6 +55,9 @@ Result<DepthImage> load_depth(const std::filesystem::path& file, const Camera& c
 /// Counts to metres; readings outside the camera's limits become 0.
 DepthImage to_metres(const RawDepthImage& raw, const Camera& camera);
 
+/// Metres with the camera's limits: what is outside of them or not finite becomes 0.
+DepthImage within_limits(const DepthImage& depth_m, const Camera& camera);
+
 /// Metres to the nearest count; what a count cannot hold (over 65535, negative, not finite)
 /// becomes 0.
 RawDepthImage to_raw_depth(const DepthImage& depth_m, double depth_scale);

@@ -18,12 +18,19 @@ class Image {
  public:
   Image() = default;
   /// Takes `pixels`, row by row. @throws std::logic_error unless there are width * height of them.
-  Image(int width_px, int height_px, std::vector<T> pixels)
-      : width_(width_px),
-        height_(height_px),
-        pixels_(std::make_shared<const std::vector<T>>(std::move(pixels))) {
-    if (width_ < 0 || height_ < 0 || pixels_->size() != std::size_t(width_) * height_) {
+  Image(int width_px, int height_px, std::vector<T> pixels) : width_(width_px), height_(height_px) {
+    if (width_ < 0 || height_ < 0 || pixels.size() != std::size_t(width_) * height_) {
       throw std::logic_error("Image: pixel count does not match its size");
+    }
+    const auto owner = std::make_shared<const std::vector<T>>(std::move(pixels));
+    pixels_ = {owner, owner->data()};
+  }
+  /// Shares pixels that somebody else holds: width * height of them, which nobody may write any
+  /// more. The last copy lets go of them, in whatever thread it ends.
+  Image(int width_px, int height_px, std::shared_ptr<const T> pixels)
+      : width_(width_px), height_(height_px), pixels_(std::move(pixels)) {
+    if (width_ < 0 || height_ < 0 || (!pixels_ && !empty())) {
+      throw std::logic_error("Image: no pixels");
     }
   }
 
@@ -32,7 +39,7 @@ class Image {
   int height() const { return height_; }
   bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
 
-  const T* data() const { return pixels_ ? pixels_->data() : nullptr; }
+  const T* data() const { return pixels_.get(); }
   const T* row(int y) const { return data() + static_cast<std::size_t>(y) * width_; }
   /// Unchecked.
   const T& operator()(int x, int y) const { return row(y)[x]; }
@@ -40,7 +47,7 @@ class Image {
  private:
   int width_ = 0;
   int height_ = 0;
-  std::shared_ptr<const std::vector<T>> pixels_;
+  std::shared_ptr<const T> pixels_;  ///< the first one
 };
 
 using Bgr = std::array<std::uint8_t, 3>;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <utility>
 #include <vector>
@@ -119,17 +118,6 @@ Image<T> numbers_of(const ImageMessage& image) {
     }
   }
   return {static_cast<int>(image.width_px), static_cast<int>(image.height_px), std::move(values)};
-}
-
-/// Depth in metres with the camera's limits; what is not finite is no reading.
-DepthImage within_limits(const DepthImage& depth_m, const Camera& camera) {
-  const std::size_t n = std::size_t(depth_m.width()) * depth_m.height();
-  std::vector<float> out(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const float z = depth_m.data()[i];
-    if (std::isfinite(z) && z > 0 && camera.is_valid_depth(z)) out[i] = z;
-  }
-  return {depth_m.width(), depth_m.height(), std::move(out)};
 }
 
 /// A depth picture whose pixels `metres_of` gives in metres, whatever the camera says.

@@ -271,6 +271,7 @@ std::vector<BoxCarrier::Carried> BoxCarrier::received(std::int64_t frame_index,
   for (const Detection& d : found) {
     Carried object;
     object.detection = d;
+    object.detection.mask = {};  // a silhouette does not fit a later frame
     fresh.push_back(std::move(object));
   }
   if (last_result_frame_ >= 0 && frame_index > last_result_frame_) {

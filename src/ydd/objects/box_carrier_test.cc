@@ -63,6 +63,17 @@ void expect_near(const Box& a, const Box& b, double tolerance_px) {
   EXPECT_NEAR(a.y1, b.y1, tolerance_px);
 }
 
+TEST(BoxCarrier, ASilhouetteIsNotCarried) {
+  const World world;
+  BoxCarrier carrier({});
+  carrier.advance(world.frame(0));
+  Detections found = seen(world.box(0));
+  found.front().mask = world.frame(0).grey;
+  carrier.take(0, found);
+  ASSERT_EQ(carrier.now().size(), 1U);
+  EXPECT_TRUE(carrier.now().front().mask.empty());
+}
+
 TEST(BoxCarrier, ABoxFollowsWhatIsInItNotWhatIsBehind) {
   const World world{.speed_px = 7, .wall_speed_px = -5};
   BoxCarrier carrier({});

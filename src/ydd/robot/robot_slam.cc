@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/robot/robot_slam.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
+#include "ydd/detection/given_detections.h"
 #include "ydd/map/compatible.h"
 #include "ydd/map_files/map_file.h"
 #include "ydd/optimization/pose_only.h"
@@ -122,14 +124,22 @@ void RobotSlam::forget() {
       std::make_shared<const RobotMap>(RobotMap{system_->atlas(), MapId{}, setup_->T_map_world}));
 }
 
-Result<RobotFrame> RobotSlam::push(const RgbdFrame& asked) {
+Result<RobotFrame> RobotSlam::push(const RgbdFrame& asked, std::optional<Detections> given) {
   if (last_stamp_ && asked.stamp <= *last_stamp_) {
     return Error{fmt::format("a frame of {} s came after one of {} s; reset to start anew",
                              format_timestamp(asked.stamp), format_timestamp(*last_stamp_))};
   }
+  if (given) {
+    Result<Detections> fitting =
+        given_detections(*std::move(given), setup_->catalogue, asked.grey.width(),
+                         asked.grey.height(), "detections of the frame");
+    if (!fitting) return fitting.error();
+    given = *std::move(fitting);
+  }
   RgbdFrame frame = asked;
-  frame.index = frames_++;
-  Result<FrameReport> report = system_->process(frame);
+  frame.index = std::max(asked.index, frames_);
+  frames_ = frame.index + 1;
+  Result<FrameReport> report = system_->process(frame, std::move(given));
   if (!report) return report.error();
   last_stamp_ = frame.stamp;
   RobotFrame out;

@@ -58,8 +58,10 @@ class RobotSlam {
   static Result<RobotSlam> make(RobotSetup setup, const std::filesystem::path& map_file);
 
   /// Frames must come by rising stamps; one that does not is a failure that costs nothing. What
-  /// else fails is as SlamSystem::process has it.
-  Result<RobotFrame> push(const RgbdFrame& frame);
+  /// else fails is as SlamSystem::process has it. Its index counts the frames that came; a larger
+  /// one of its own, which counts those that a recording left out, is kept.
+  /// With `given`, whatever somebody found in the picture (given_detections), nobody else is asked.
+  Result<RobotFrame> push(const RgbdFrame& frame, std::optional<Detections> given = {});
 
   /// Other senses, as SlamSystem::add: before the first frame that is not earlier.
   void add(const ImuSample& sample) { system_->add(sample); }
@@ -79,6 +81,8 @@ class RobotSlam {
   StampedPoses path() const;
   int loops() const { return static_cast<int>(system_->mapping_reports().loops.size()); }
   const RobotSetup& setup() const { return *setup_; }
+  /// For what is asked of it alone, in the world frame.
+  const SlamSystem& system() const { return *system_; }
   /// Any thread; null before the first frame.
   std::shared_ptr<const RobotMap> newest_map() const { return newest_->get(); }
 

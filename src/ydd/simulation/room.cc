@@ -226,7 +226,8 @@ void RoomBuilder::furnish_north(const std::array<bool, 2>& fixed_chair) {
   for (int i = 0; i < 2; ++i) {
     if (room_ == 0 && !fixed_chair[i]) continue;
     place(make_chair(builder_, builder_.add_object("chair")),
-          at(kChairPlaces_m[i][0], kChairPlaces_m[i][1], 0, std::numbers::pi + 0.35 - 0.5 * i));
+          at(kChairPlaces_m[i][0] + options_.chairs_moved_m, kChairPlaces_m[i][1], 0,
+             std::numbers::pi + 0.35 - 0.5 * i));
   }
   place_at_wall(0, make_cabinet(builder_, 0.85F, 0.9F), 4.1);
   place_at_wall(0, make_bookcase(builder_, 1.1F, 1.9F), 5.15);

@@ -17,6 +17,9 @@ void WorldOptions::describe(OptionTable& t) {
         "one more person who stands close by for 3 s, then walks out of view for good");
   t.add("come_and_stay", come_and_stay,
         "one more person who walks in within 2 s, then stands close by to the end");
+  t.add(
+      "chairs_moved_m", chairs_moved_m, {-2.0, 2.0}, "m",
+      "the chairs before the north wall stand so far to the right of their places: another visit");
   t.add("frozen_at_s", frozen_at_s, {-1.0, 1e6}, "s",
         "all that moves stands still as it is at that time; -1: it moves");
   t.add("rooms", rooms, {1, 20}, "", "rooms in a row, joined by doors");

@@ -36,6 +36,7 @@ struct WorldOptions {
   MoverKind mover = MoverKind::none;  ///< close to the camera, a third of the view
   bool sit_then_leave = false;        ///< one more person: stands for 3 s, then walks away
   bool come_and_stay = false;         ///< one more person: walks in within 2 s, then stands
+  double chairs_moved_m = 0.0;        ///< chairs stand so far to the right of their places
   double frozen_at_s = -1.0;          ///< from 0 on: all that moves stands as at that second
 
   int rooms = 1;

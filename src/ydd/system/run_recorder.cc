@@ -183,6 +183,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"groundtruth", run.groundtruth},
       {"versions", run.versions},
       {"pictures", run.pairing ? to_json(*run.pairing) : Json()},
+      {"depth_shift_px", {run.depth_shift.right_px, run.depth_shift.down_px}},
       {"frames_in", frames_in()},
       {"frames_processed", processed_},
       {"frames_dropped", dropped_},

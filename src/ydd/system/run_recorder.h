@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ydd/dataset/depth_shift.h"
 #include "ydd/dataset/pairing.h"
 #include "ydd/system/slam_system.h"
 
@@ -23,6 +24,7 @@ struct RunDescription {
   std::string groundtruth = {};  ///< file; empty: the sequence has none
   std::string incomplete = {};   ///< why the run ended before its sequence did; empty: it did not
   std::optional<Pairing> pairing = {};               ///< of colour and depth by time
+  DepthShift depth_shift = {};                       ///< by which depth was moved back
   std::map<std::string, std::string> versions = {};  ///< of what the program is made of, by name
 };
 

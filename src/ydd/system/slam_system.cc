@@ -65,17 +65,17 @@ SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
   }
 }
 
-Result<FrameReport> SlamSystem::process(const RgbdFrame& frame) {
+Result<FrameReport> SlamSystem::process(const RgbdFrame& frame, std::optional<Detections> given) {
   if (const Result<void> failed = mapping_->failure(); !failed) return failed.error();
   FrameReport report;
   report.index = frame.index;
   report.stamp = frame.stamp;
   StageTimes total;
   StageTimer total_timer(total, "total");
-  if (detector_) detector_->start(frame);
+  if (detector_ && !given) detector_->start(frame);
   const auto features = std::make_shared<const Features>(extract(frame, report));
   look_for_motion(frame, features, report);  // while the detector still works
-  Result<Detections> detections = join_detections(frame, report);
+  Result<Detections> detections = given ? *std::move(given) : ask_detector(frame, report);
   if (!detections) return detections.error();
   report.detections = std::move(*detections);
   judge(frame, *features, report);
@@ -139,7 +139,7 @@ Features SlamSystem::extract(const RgbdFrame& frame, FrameReport& report) {
   return with_geometry(extractor_.extract(frame.grey, report.requested), camera_, frame.depth_m);
 }
 
-Result<Detections> SlamSystem::join_detections(const RgbdFrame& frame, FrameReport& report) {
+Result<Detections> SlamSystem::ask_detector(const RgbdFrame& frame, FrameReport& report) {
   if (asynchronous_) {
     AsynchronousDetection::Boxes boxes = asynchronous_->next(frame);
     report.times.insert(report.times.end(), boxes.times.begin(), boxes.times.end());

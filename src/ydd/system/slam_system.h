@@ -57,8 +57,9 @@ class SlamSystem {
              std::unique_ptr<Detector> detector, std::optional<Atlas> map = std::nullopt);
 
   /// Fails when the detector cannot judge the frame, or when one of the threads inside has failed;
-  /// what was tracked before stays as it is.
-  Result<FrameReport> process(const RgbdFrame& frame);
+  /// what was tracked before stays as it is. With `given` the detector is not asked: these are the
+  /// boxes of the frame, as a detector gives them (given_detections).
+  Result<FrameReport> process(const RgbdFrame& frame, std::optional<Detections> given = {});
 
   /// What motion sensors say, in the order of time and up to a frame before that frame; mountings
   /// are options (`reckoning`).
@@ -105,7 +106,7 @@ class SlamSystem {
 
  private:
   Features extract(const RgbdFrame& frame, FrameReport& report);
-  Result<Detections> join_detections(const RgbdFrame& frame, FrameReport& report);
+  Result<Detections> ask_detector(const RgbdFrame& frame, FrameReport& report);
   void look_for_motion(const RgbdFrame& frame, const std::shared_ptr<const Features>& features,
                        FrameReport& report);
   void judge(const RgbdFrame& frame, const Features& features, FrameReport& report);

@@ -156,6 +156,19 @@ TEST_P(System, RejectedPointsNeverReachTheMap) {
   EXPECT_GT(kept, 100U);
 }
 
+TEST_P(System, GivenDetectionsStandForTheDetectors) {
+  const Wall wall(kFrames);
+  SlamSystem system(wall.camera(), options_for(GetParam(), Variant::box),
+                    ObjectCatalogue::defaults(), std::make_unique<Fixed>(5));
+  ASSERT_TRUE(system.process(wall.frame(0)).ok());
+  for (int i = 5; i < 10; ++i) {  // the detector would fail
+    const Result<FrameReport> report = system.process(wall.frame(i), Detections{});
+    ASSERT_TRUE(report.ok()) << report.error().message;
+    EXPECT_THAT(report->detections, IsEmpty());
+  }
+  EXPECT_FALSE(system.process(wall.frame(10)).ok());
+}
+
 TEST(SlamSystem, GivesTheErrorOfItsDetector) {
   const Wall wall(kFrames);
   SlamSystem system(wall.camera(), options_for(true, Variant::full), ObjectCatalogue::defaults(),

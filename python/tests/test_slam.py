@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Slam and what it gives."""
+import gc
+import threading
+
+import numpy as np
+import pytest
+
+import ydd_slam
+from ydd_slam import Detection, Error, RgbdFrame, Slam
+
+OFF = {"deterministic": True, "dynamics.variant": "off"}
+FULL = {"deterministic": True, "dynamics.variant": "full"}
+
+
+def test_frames_tell_pose_state_points_and_rules(run, sample):
+    slam, frames = run
+    assert [f.state for f in frames] == ["tracking"] * len(sample)
+    assert [f.index for f in frames] == list(range(len(sample)))
+    frame = frames[-1]
+    assert frame.stamp_ns == sample.stamps_ns[len(sample) - 1]
+    assert frame.T_world_camera.shape == (4, 4) and frame.covariance.shape == (6, 6)
+    n = len(frame.kept)
+    assert frame.kept.pixels.shape == frame.kept.undistorted_px.shape == (n, 2)
+    assert frame.kept.descriptors.shape == (n, 32) and frame.kept.depth_m.shape == (n,)
+    assert (frame.kept.map_points >= 0).sum() >= frame.inliers > 50
+    rejected = frame.rejected
+    assert len(rejected) > 20 and rejected.pixels.shape == (len(rejected), 2)
+    assert rejected.rules == [ydd_slam.RULES[code] for code in rejected.rule]
+    assert "body_depth" in rejected.rules and "kept" not in rejected.rules
+    people = [o for o in frame.objects if o.kind == "person"]
+    assert people and all(o.class_name == "person" for o in people)
+    assert frame.tracks and all(t.position_m.shape == (3,) for t in frame.tracks)
+    assert frame.times_ms["total"] > 0
+    assert frames[0].keyframe and len(slam.trajectory()) == len(frames)
+
+
+def test_arrays_are_read_only_views_that_outlive_their_frame(run):
+    kept = run[1][3].kept
+    pixels, again = kept.pixels, kept.pixels
+    assert np.shares_memory(pixels, again)
+    with pytest.raises(ValueError):
+        pixels[0, 0] = 1
+
+
+def test_a_view_keeps_its_frame_alive(sample):
+    slam = Slam(sample.camera, OFF, detector=None)
+    pixels = slam.process(sample[0]).kept.pixels
+    copy = pixels.copy()
+    del slam
+    gc.collect()
+    assert (pixels == copy).all() and len(copy) > 100
+
+
+def test_arrays_and_frames_give_the_same(sample):
+    texts = []
+    for as_arrays in (True, False):
+        slam = Slam(sample.camera, OFF, detector=None)
+        for picture in sample:
+            if as_arrays:
+                slam.process(picture.colour.copy(), picture.depth_m, stamp_ns=picture.stamp_ns)
+            else:
+                slam.process(picture)
+        texts.append(slam.trajectory().text())
+    assert texts[0] == texts[1] and texts[0].count("\n") == len(sample)
+
+
+def test_depth_in_counts_and_in_metres_is_the_same(sample):
+    camera, picture = sample.camera, sample[0]
+    counts = np.round(picture.depth_m * camera.depth_scale).astype(np.uint16)
+    again = RgbdFrame(picture.colour, counts, camera, stamp=1.5)
+    assert np.allclose(again.depth_m, picture.depth_m, atol=1e-4)
+    assert again.stamp_ns == 1_500_000_000
+    doubles = picture.depth_m.astype(np.float64)
+    doubles[0, 0] = np.nan
+    assert RgbdFrame(picture.colour, doubles, camera, stamp=1.5).depth_m[0, 0] == 0
+
+
+def test_what_nobody_may_write_is_shared_the_rest_is_copied(sample):
+    colour = np.zeros((480, 640, 3), np.uint8)
+    depth = np.ones((480, 640), np.float32)
+    copied = RgbdFrame(colour, depth, sample.camera, stamp=0)
+    assert not np.shares_memory(copied.colour, colour)
+    colour.flags.writeable = False
+    shared = RgbdFrame(colour, depth, sample.camera, stamp=0)
+    assert np.shares_memory(shared.colour, colour)
+    assert not shared.colour.flags.writeable
+
+
+def test_a_detector_of_ones_own(sample, boxes, run):
+    seen = []
+
+    def look(frame):
+        seen.append((frame.index, frame.colour.shape, threading.current_thread() is threading.main_thread()))
+        return [(d.class_name, d.box, d.score) for d in boxes(frame)]
+
+    slam = Slam(sample.camera, FULL, detector=look)
+    frames = [slam.process(picture) for picture in sample]
+    slam.finish()
+    assert [index for index, _, _ in seen] == list(range(len(sample)))
+    assert all(shape == (480, 640, 3) for _, shape, _ in seen)
+    assert slam.trajectory().text() == run[0].trajectory().text()
+    assert [len(f.rejected) for f in frames] == [len(f.rejected) for f in run[1]]
+
+
+def test_detections_with_the_picture_stand_for_the_detectors(sample, boxes, run):
+    slam = Slam(sample.camera, FULL, detector=None)
+    for picture in sample:
+        slam.process(picture, detections=boxes(picture))
+    slam.finish()
+    assert slam.trajectory().text() == run[0].trajectory().text()
+
+
+def test_a_mask_says_which_points_are_on_a_person(sample):
+    slam = Slam(sample.camera, FULL, detector=None)
+    mask = np.zeros((480, 640), bool)
+    mask[100:380, 200:450] = True
+    frame = slam.process(sample[0], masks=mask)
+    x, y = np.round(frame.kept.pixels).astype(int).T
+    assert len(x) > 50 and not mask[y, x].any()
+    x, y = np.round(frame.rejected.pixels).astype(int).T
+    grown = np.zeros_like(mask)
+    grown[96:384, 196:454] = True  # points at the edge go too
+    assert len(x) > 50 and grown[y, x].all() and not grown.all()
+    assert frame.objects[0].moves
+    # A thing that nobody moves stays; an unknown class never moves.
+    for name in ("chair", "wallpaper"):
+        frame = Slam(sample.camera, FULL, detector=None).process(sample[0], masks=[(name, mask)])
+        assert len(frame.rejected) == 0, name
+
+
+def test_a_failing_detector_is_the_cause_of_the_error(sample):
+    def look(frame):
+        if frame.index == 1:
+            raise KeyError("no weights\nfor this")
+        return []
+
+    slam = Slam(sample.camera, FULL, detector=look)
+    slam.process(sample[0])
+    with pytest.raises(Error) as raised:
+        slam.process(sample[1])
+    assert str(raised.value) == r"detector: KeyError: 'no weights\nfor this'"
+    assert isinstance(raised.value.__cause__, KeyError)
+    assert slam.process(sample[2]).state == "tracking"
+
+
+@pytest.mark.parametrize(
+    "answer, line",
+    [
+        (None, "detector: must be a list of Detection or of (class, box, score)"),
+        ([("person", 3)], "detector: item 0 is no Detection nor (class, (x0, y0, x1, y1), score)"),
+        ([("person", (0.1, 0.1, 0.5, 0.9))], "detector: all boxes lie between 0 and 1"),
+        ([("person", (0, 0, 5, 9), 3.0)], "detector: detection 0 ('person') has the score 3"),
+    ],
+)
+def test_what_a_detector_may_not_answer(sample, answer, line):
+    with pytest.raises(Error) as raised:
+        Slam(sample.camera, FULL, detector=lambda frame: answer).process(sample[0])
+    assert str(raised.value).startswith(line) and "\n" not in str(raised.value)
+
+
+def test_wrong_arguments_are_one_line_each(sample):
+    picture, camera = sample[0], sample.camera
+    slam = Slam(camera, OFF, detector=None)
+    small = np.zeros((10, 20), np.uint8)
+    for wrong, line in [
+        (lambda: Slam(camera, {"dynamics.varian": 1}), "dynamics.varian"),
+        (lambda: Slam(camera, {"orb.levels": 99}), "orb.levels"),
+        (lambda: Slam(camera, detector="missing.yaml"), "missing.yaml"),
+        (lambda: Slam(camera, config="missing.yaml"), "missing.yaml"),
+        (lambda: Slam(camera, map="missing.ydd", detector=None), "missing.ydd"),
+        (lambda: slam.process(picture.colour, picture.depth_m), "give either stamp"),
+        (lambda: slam.process(picture.colour, picture.depth_m, 1e18), "nanoseconds are stamp_ns"),
+        (lambda: slam.process(picture.colour.astype(float), picture.depth_m, 1), "colour: must have the shape"),
+        (lambda: slam.process(picture.colour, small, 1), "depth: must have the shape"),
+        (lambda: slam.process(small, picture.depth_m, 1), "the camera 640 x 480"),
+        (lambda: slam.process(picture, masks=small), "a mask of 20 x 10"),
+        (lambda: slam.process(picture, masks=[small]), "masks: item 0"),
+        (lambda: slam.process(picture, detections=3), "detections: must be a list"),
+        (lambda: Detection("person"), "give a box or a mask"),
+        (lambda: ydd_slam.Camera(fx_px=-1), "fx"),
+        (lambda: ydd_slam.Camera(focal=1), "no 'focal'"),
+    ]:
+        with pytest.raises(Error) as raised:
+            wrong()
+        assert line in str(raised.value) and "\n" not in str(raised.value)
+    assert slam.process(picture).state == "tracking"  # none of them harmed it
+    with pytest.raises(Error, match="reset to start anew"):
+        slam.process(picture)
+
+
+def test_finish_reset_and_with(sample):
+    with Slam(sample.camera, OFF, detector=None) as slam:
+        slam.process(sample[0])
+    with pytest.raises(Error, match="has finished"):
+        slam.process(sample[1])
+    slam.reset()
+    assert slam.process(sample[2]).keyframe and len(slam.trajectory()) == 1
+
+
+def test_other_threads_run_meanwhile_and_a_second_caller_is_told(sample):
+    counted = [0]
+    stop = threading.Event()
+    entered = threading.Event()
+    let_go = threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counted[0] += 1
+
+    def look(frame):
+        entered.set()
+        let_go.wait(60)
+        return []
+
+    slam = Slam(sample.camera, FULL, detector=look)
+    worker = threading.Thread(target=slam.process, args=(sample[0],))
+    counter = threading.Thread(target=count)
+    worker.start()
+    assert entered.wait(60)
+    counter.start()
+    with pytest.raises(Error, match="one call at a time"):
+        slam.process(sample[1])
+    let_go.set()
+    worker.join()
+    stop.set()
+    counter.join()
+    assert counted[0] > 0 and len(slam.trajectory()) == 1
+
+
+def test_motion_sensors_are_taken(sample):
+    slam = Slam(sample.camera, OFF, detector=None)
+    slam.add_imu(int(sample.stamps_ns[0]) - 1, np.zeros(3), np.array([0, -9.81, 0]))
+    slam.add_odometry(int(sample.stamps_ns[0]) - 1, np.eye(4))
+    with pytest.raises(Error, match="T_odom_base: must be a rigid motion"):
+        slam.add_odometry(int(sample.stamps_ns[0]), np.full((4, 4), 2.0))
+    assert slam.process(sample[0]).state == "tracking"
