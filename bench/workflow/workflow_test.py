@@ -167,6 +167,9 @@ class Workflow(unittest.TestCase):
             ({"configurations": {"a": {"sets": []}}}, "sets"),
             ({"data": 3}, "data"),
             ({"seeds": 3}, "seeds"),
+            ({"runs": 0}, "runs"),
+            ({"retries": "two"}, "retries"),
+            ({"threads": True}, "threads"),
             ({"slam": "nowhere"}, "no program"),
         ):
             with self.subTest(word=word):
