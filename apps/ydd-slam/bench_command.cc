@@ -5,6 +5,7 @@
 
 #include "bench/bench.h"
 #include "bench/bench_paper.h"
+#include "bench/bench_scale.h"
 #include "bench/bench_seeds.h"
 #include "commands.h"
 #include "common/scratch_folder.h"
@@ -96,6 +97,37 @@ void add_seed_bench(CLI::App& parent, Job& job, const std::string& name, const s
   });
 }
 
+void add_scale_bench(CLI::App& parent, Job& job) {
+  auto request = std::make_shared<ScaleRequest>();
+  auto* command = parent.add_subcommand(
+      "scale", "Maps grown from simulated rooms: what a frame, a keyframe, a save cost by size");
+  command->add_option("--keyframes", request->sizes, "Sizes of the maps")
+      ->delimiter(',')
+      ->check(CLI::Range(100, 1000000))
+      ->capture_default_str();
+  command->add_option("--keypoints", request->keypoints, "Points of a keyframe, about")
+      ->check(CLI::Range(100, 2000))
+      ->capture_default_str();
+  command->add_option("--rooms", request->rooms, "Different rooms that they are grown from")
+      ->check(CLI::Range(1, 50));
+  command->add_option("--seed", request->seed, "Of what makes copies of a room look different");
+  command->add_option("--first-seed", request->first_seed, "Seed of the first room")
+      ->check(CLI::Range(0, 1000000));
+  command->add_option("--width", request->width_px, "Width of the pictures in px, 4:3")
+      ->check(CLI::Range(160, 1280));
+  command->add_option("--fps", request->fps, "Frames a second")->check(CLI::Range(1.0, 60.0));
+  command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
+  command->add_option("--out", request->out, "Also write all figures as JSON");
+  command->callback([request, &job] {
+    job = [request]() -> Result<void> {
+      const Result<std::string> table = bench_scale(*request);
+      if (!table) return table.error();
+      fmt::print("{}", *table);
+      return {};
+    };
+  });
+}
+
 void add_paper_bench(CLI::App& parent, Job& job) {
   auto request = std::make_shared<PaperRequest>();
   auto* command = parent.add_subcommand(
@@ -157,6 +189,7 @@ void add_bench_command(CLI::App& app, Job& job) {
       "  ydd-slam bench detection samples/office_crowd --runs 3\n"
       "  ydd-slam bench speed rgbd_dataset_freiburg1_xyz --against loop.enabled=false\n"
       "  ydd-slam bench loops --seeds 20\n"
+      "  ydd-slam bench scale --keyframes 1000,10000\n"
       "  ydd-slam bench paper datasets --out paper");
   add_bench(*command, job, "ablation",
             "ATE and RPE of the variants off, box, person, full, evidence", &bench_ablation, true);
@@ -183,6 +216,7 @@ void add_bench_command(CLI::App& app, Job& job) {
   add_paper_bench(*command, job);
   add_seed_bench(*command, job, "walk", "One long simulated walk: time, memory and map size",
                  &bench_walk);
+  add_scale_bench(*command, job);
 }
 
 }  // namespace ydd::app
