@@ -22,6 +22,8 @@ inline void read_as_anything(const StoredMessage& message) {
     }
     return;
   }
+  static_cast<void>(read_imu(*message.bytes, message.wire));
+  static_cast<void>(read_odometry(*message.bytes, message.wire));
   static_cast<void>(nature_of(message));
   const Result<ColourPicture> colour = colour_of(message);
   expect_one_line(colour);

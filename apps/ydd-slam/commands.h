@@ -21,6 +21,7 @@ void add_eval_command(CLI::App& app, Job& job);
 void add_report_command(CLI::App& app, Job& job);
 void add_detect_command(CLI::App& app, Job& job);
 void add_map_command(CLI::App& app, Job& job);
+void add_cameras_command(CLI::App& app, Job& job);
 void add_convert_command(CLI::App& app, Job& job);
 void add_simulate_command(CLI::App& app, Job& job);
 

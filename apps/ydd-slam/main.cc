@@ -66,6 +66,7 @@ int main(int argc, char** argv) {
   ydd::app::add_detect_command(app, job);
   ydd::app::add_simulate_command(app, job);
   ydd::app::add_convert_command(app, job);
+  ydd::app::add_cameras_command(app, job);
   try {
     app.parse(argc, argv);
     return run_job(job);

@@ -14,7 +14,9 @@ namespace ydd::app {
 namespace {
 
 void add_input_options(CLI::App& command, RunRequest& request) {
-  command.add_option("sequence", request.sequence, "Recording: a folder or file; see below")
+  command
+      .add_option("sequence", request.sequence,
+                  "Recording or camera: folder, file, name; see below")
       ->required();
   command.add_option("--source", request.source, "What the recording is (default: as it looks)")
       ->check(CLI::IsMember(source_names()));
@@ -22,6 +24,8 @@ void add_input_options(CLI::App& command, RunRequest& request) {
                      "Topic of a bag (default: told by encodings and names)");
   command.add_option("--topic-depth", request.topic_depth, "The same of depth");
   command.add_option("--topic-camera-info", request.topic_camera_info, "The same of the camera");
+  command.add_option("--mode", request.camera_mode,
+                     "Mode of a camera, such as 640x480@30 (default: chosen)");
   command.add_option("--camera", request.camera,
                      "Camera file (our own, ORB-SLAM, stella_vslam, ROS, OpenCV, ...) or preset");
   command.add_option("--associations", request.associations,
@@ -38,9 +42,11 @@ void add_input_options(CLI::App& command, RunRequest& request) {
   command.add_option("--max-frames", request.max_frames, "Stop after so many frames (0: all)")
       ->check(CLI::Range(0, 1000000000));
   command.add_option("--imu", request.imu,
-                     "What an IMU said: file of stamp, rad/s, m/s^2 (EuRoC CSV); see reckoning.*");
+                     "What an IMU said: file of stamp, rad/s, m/s^2 (EuRoC CSV), topic of the "
+                     "bag, or off; see reckoning.*");
   command.add_option("--odometry", request.odometry,
-                     "Odometry of a robot: trajectory file of its base; see reckoning.*");
+                     "Odometry of a robot: trajectory file of its base, topic of the bag, or "
+                     "off; see reckoning.*");
   command.add_flag("--strict", request.strict, "A frame that cannot be read ends the run");
   command.add_flag("--realtime", request.realtime, "Keep the camera's pace, drop what is late");
 }
@@ -92,6 +98,8 @@ void add_result_options(CLI::App& command, RunRequest& request) {
   command.add_option("--frames-every", request.pictures_every, "Only of every N-th frame")
       ->check(CLI::Range(1, 1000000));
   command.add_option("--video", request.video, "MP4 file with these pictures as a video");
+  command.add_option("--record", request.record,
+                     "File (.mcap) for the frames of this run, a bag that runs again");
   command.add_flag("--dump-map", request.dump_map, "Also write the map as text");
   add_quiet(command, request.quiet);
   command.add_flag("--json", request.json,
@@ -188,6 +196,7 @@ void add_run_command(CLI::App& app, Job& job) {
       "  ydd-slam run my_recording --realtime --detect asynchronous\n"
       "  ydd-slam run my_recording --detector configs/detector/coco_body_head_hand.yaml\n"
       "  ydd-slam run my_recording --detector none\n"
+      "  ydd-slam run openni2 --record walk.mcap --view\n"
       "  ydd-slam run samples/office_crowd --view\n"
       "  ydd-slam run samples/office_crowd --realtime --serve\n"
       "  ydd-slam run samples/office_crowd --detections samples/office_crowd/detections.jsonl \\\n"

@@ -53,8 +53,9 @@ void Progress::update(std::size_t done, const std::string& state) {
   if (quiet_) return;
   const std::int64_t now_ns = wall_clock_ns();
   const std::int64_t interval_ns = terminal_ ? kTerminalInterval_ns : kLogInterval_ns;
-  if (now_ns - shown_ns_ < interval_ns && done < total_) return;
-  if (!terminal_ && done == total_) return;
+  const bool goes_on = total_ == 0 || done < total_;
+  if (now_ns - shown_ns_ < interval_ns && goes_on) return;
+  if (!terminal_ && !goes_on) return;
   shown_ns_ = now_ns;
   show(done, state, now_ns);
 }
@@ -63,7 +64,8 @@ void Progress::show(std::size_t done, const std::string& state, std::int64_t now
   const double elapsed_s = static_cast<double>(now_ns - start_ns_) * 1e-9;
   const double rate_hz = elapsed_s > 0 ? static_cast<double>(done) / elapsed_s : 0.0;
   const double left_s = rate_hz > 0 ? static_cast<double>(total_ - done) / rate_hz : 0.0;
-  std::string line = fmt::format("{} {}/{}  {:.1f} fps", what_, done, total_, rate_hz);
+  const std::string of = total_ > 0 ? fmt::format("/{}", total_) : "";
+  std::string line = fmt::format("{} {}{}  {:.1f} fps", what_, done, of, rate_hz);
   if (!state.empty()) line += "  " + state;
   line += "  " + (done < total_ ? duration_text(left_s) + " left" : duration_text(elapsed_s));
   if (terminal_) {

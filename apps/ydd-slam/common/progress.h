@@ -11,7 +11,7 @@ namespace ydd::app {
 /// log line every few seconds otherwise.
 class Progress {
  public:
-  /// `quiet`: nothing at all.
+  /// `total` 0: nobody knows when it ends. `quiet`: nothing at all.
   Progress(std::string what, std::size_t total, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "common/default_detector.h"
 #include "ydd/base/log.h"
@@ -53,6 +54,7 @@ Result<Configuration> configuration_with(const RunRequest& request, const Camera
   if (request.topic_colour) out.sequence.topic_colour = *request.topic_colour;
   if (request.topic_depth) out.sequence.topic_depth = *request.topic_depth;
   if (request.topic_camera_info) out.sequence.topic_camera_info = *request.topic_camera_info;
+  if (request.camera_mode) out.sequence.camera_mode = *request.camera_mode;
   if (request.depth_offset) out.sequence.depth_offset = *request.depth_offset;
   if (request.depth_shift) out.sequence.depth_shift = *request.depth_shift;
   if (request.first_frame) out.sequence.first_frame = *request.first_frame;
@@ -75,6 +77,43 @@ Result<Configuration> configuration_with(const RunRequest& request, const Camera
   return out;
 }
 
+/// A sensor of motion that a run may use.
+struct MotionWanted {
+  const char* option;
+  std::string asked;                ///< file, topic, "off"; empty: nothing is said
+  std::vector<std::string> topics;  ///< of the recording
+  const char* mounting;             ///< the option that says where it is
+  bool is_mounted;                  ///< and whether it does
+};
+
+constexpr const char* kNoSensor = "off";
+
+/// Whether it names something that is no topic.
+bool is_file_of_motion(const std::string& asked) { return !asked.empty() && asked != kNoSensor; }
+
+/// The topic to use; empty: none of the recording's.
+Result<std::string> topic_of(const MotionWanted& wanted, const std::filesystem::path& recording) {
+  if (wanted.asked == kNoSensor) return std::string();
+  for (const std::string& topic : wanted.topics) {
+    if (topic == wanted.asked) return topic;
+  }
+  const std::string there = fmt::format("{}", fmt::join(wanted.topics, ", "));
+  if (!wanted.asked.empty()) {
+    if (wanted.topics.empty() || std::filesystem::exists(wanted.asked)) return std::string();
+    return Error{fmt::format("{} {}: no such file, nor a topic of {} (there are: {})",
+                             wanted.option, wanted.asked, recording.string(), there)};
+  }
+  if (wanted.topics.empty()) return std::string();
+  if (wanted.is_mounted && wanted.topics.size() == 1) {
+    log::info("{}: {} predicts motion ({} off: it does not)", recording.string(), there,
+              wanted.option);
+    return wanted.topics.front();
+  }
+  log::info("{}: {} could predict motion: say where it is with {}, and {} TOPIC",
+            recording.string(), there, wanted.mounting, wanted.option);
+  return std::string();
+}
+
 }  // namespace
 
 Result<ConfiguredRecording> effective_configuration(const RunRequest& request) {
@@ -90,17 +129,31 @@ Result<ConfiguredRecording> effective_configuration(const RunRequest& request) {
   return ConfiguredRecording{*std::move(configuration), *std::move(recording)};
 }
 
-Result<MotionSamples> run_motion(const RunRequest& request) {
+Result<MotionSamples> run_motion(const RunRequest& request, const Recording& recording,
+                                 const ReckoningOptions& options) {
   MotionSamples samples;
-  if (!request.imu.empty()) {
-    auto imu = read_imu_file(request.imu);
-    if (!imu) return imu.error();
-    samples.imu = *std::move(imu);
+  const MotionStore* const store = recording.motion.get();
+  const ReckoningOptions unset;
+  const std::vector<std::string> none;
+  const MotionWanted imu{"--imu", request.imu, store ? store->imu_topics() : none,
+                         "reckoning.T_camera_imu", options.T_camera_imu != unset.T_camera_imu};
+  const Result<std::string> imu_topic = topic_of(imu, recording.place);
+  if (!imu_topic) return imu_topic.error();
+  if (!imu_topic->empty() || is_file_of_motion(request.imu)) {
+    auto read = imu_topic->empty() ? read_imu_file(request.imu) : store->read_imu(*imu_topic);
+    if (!read) return read.error();
+    samples.imu = *std::move(read);
   }
-  if (!request.odometry.empty()) {
-    auto odometry = read_odometry_file(request.odometry);
-    if (!odometry) return odometry.error();
-    samples.odometry = *std::move(odometry);
+  const MotionWanted wheels{"--odometry", request.odometry, store ? store->odometry_topics() : none,
+                            "reckoning.T_camera_base",
+                            options.T_camera_base != unset.T_camera_base};
+  const Result<std::string> wheels_topic = topic_of(wheels, recording.place);
+  if (!wheels_topic) return wheels_topic.error();
+  if (!wheels_topic->empty() || is_file_of_motion(request.odometry)) {
+    auto read = wheels_topic->empty() ? read_odometry_file(request.odometry)
+                                      : store->read_odometry(*wheels_topic);
+    if (!read) return read.error();
+    samples.odometry = *std::move(read);
   }
   return samples;
 }

@@ -30,8 +30,11 @@ struct ConfiguredRecording {
 };
 Result<ConfiguredRecording> effective_configuration(const RunRequest& request);
 
-/// What the sensors of motion said that the command line names.
-Result<MotionSamples> run_motion(const RunRequest& request);
+/// What the sensors of motion said that the command line names: files, or topics of the recording.
+/// One of those that it does not name is used where the options say how it is mounted, and there is
+/// no other of its kind; else a line of the log says that it is there.
+Result<MotionSamples> run_motion(const RunRequest& request, const Recording& recording,
+                                 const ReckoningOptions& options);
 
 Result<ObjectCatalogue> run_catalogue(const RunRequest& request);
 

@@ -64,6 +64,7 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
   if (!sequence) return sequence.error();
   Result<RunRequest> request = with_detector(asked, configuration.options.dynamics.variant);
   if (!request) return request.error();
+  if (sequence->is_live()) request->realtime = true;  // a camera waits for nobody
   Result<ObjectCatalogue> catalogue = run_catalogue(*request);
   if (!catalogue) return catalogue.error();
   Result<std::unique_ptr<Detector>> detector = make_run_detector(*request, *catalogue);
@@ -75,7 +76,8 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
   Result<std::optional<Atlas>> map =
       open_run_map(*request, configuration.camera, configuration.options);
   if (!map) return map.error();
-  Result<MotionSamples> motion = run_motion(*request);
+  Result<MotionSamples> motion =
+      run_motion(*request, sequence->recording(), configuration.options.reckoning);
   if (!motion) return motion.error();
   return Inputs{std::move(configuration), *std::move(request),  *std::move(sequence),
                 *std::move(catalogue),    *std::move(detector), *std::move(map),
@@ -107,6 +109,7 @@ std::string joined(const std::string& a, const std::string& b) {
 RunOutcome outcome_of(const RunResults& results, const std::string& write_failures) {
   const RunRecorder& recorder = results.listeners.recorder;
   std::string failure = joined(results.end.failure, results.listeners.pictures_failure);
+  failure = joined(failure, results.listeners.recording_failure);
   return {results.folder,
           results.summary,
           recorder.timings_json(results.system),
@@ -132,6 +135,10 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   auto pictures = RunPictures::open(request, camera, inputs->catalogue);
   if (!pictures) return pictures.error();
   listeners.pictures = *std::move(pictures);
+  auto recording = RunRecording::open(request.record, camera);
+  if (!recording) return recording.error();
+  listeners.recording = *std::move(recording);
+  if (listeners.recording) listeners.recording->add(inputs->motion);
 
   tell_pairing(inputs->sequence, inputs->configuration.sequence);
   tell_depth_shift(inputs->sequence, inputs->configuration.sequence);

@@ -31,7 +31,7 @@ struct RunRequest {
   std::string config;
   std::vector<std::string> set;
   std::string out;
-  std::string imu, odometry;  ///< files of sensors of motion; empty: none
+  std::string imu, odometry;  ///< files or topics of sensors of motion, or "off"
   std::string detections;     ///< recording to replay
   std::string detector;       ///< detector file, for looking at the frames themselves; empty: the
                               ///< default one unless boxes are replayed or nothing is rejected
@@ -52,6 +52,8 @@ struct RunRequest {
   std::optional<std::string> associations;
   std::optional<std::string> depth_offset, depth_shift;
   std::optional<std::string> source;
+  std::optional<std::string> camera_mode;  ///< of a camera that is looked through
+  std::string record;                      ///< bag to write what comes to; empty: none
   std::optional<std::string> topic_colour, topic_depth, topic_camera_info;  ///< of a bag
   ViewRequest view;
   std::optional<std::string> serve;  ///< address of the live page; empty: the default one

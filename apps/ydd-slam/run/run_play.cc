@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <map>
 #include <memory>
 
@@ -81,6 +82,19 @@ PrefetchOptions prefetch(const RunRequest& request) {
   return options;
 }
 
+constexpr std::chrono::milliseconds kWaitForCamera{100};
+
+void tell_counts(const LiveCounts& counts) {
+  std::string text = fmt::format("the camera gave {} pictures", counts.arrived);
+  if (counts.dropped > 0) {
+    text += fmt::format(", {} of them were dropped: tracking was slower", counts.dropped);
+  }
+  if (counts.unpaired > 0) text += fmt::format(", {} had no depth", counts.unpaired);
+  if (counts.pauses > 0) text += fmt::format("; it paused {} times", counts.pauses);
+  if (counts.unplugged > 0) text += fmt::format("; it was unplugged {} times", counts.unplugged);
+  log::info("{}", text);
+}
+
 /// One pass over the sequence.
 class Playback {
  public:
@@ -97,6 +111,7 @@ class Playback {
 
   /// Until the sequence ends, a watcher or a signal ends it, or something fails.
   Result<void> run() {
+    if (input_.sequence.is_live()) return look_through(*input_.sequence.recording().live);
     const std::size_t end = input_.sequence.size();
     FrameSource source(input_.sequence, input_.camera, prefetch(input_.request));
     for (std::size_t i = 0; i < end; ++i) {
@@ -108,6 +123,27 @@ class Playback {
       if (auto r = *frame ? process_frame(**frame) : skip(i, frame->error()); !r) return r;
     }
     return {};
+  }
+
+  /// Frames of a camera, until it is enough. While it gives none, watchers and signals are heard.
+  Result<void> look_through(LiveStream& camera) {
+    const std::int64_t first = input_.sequence.options().first_frame;
+    const std::int64_t most = input_.sequence.options().max_frames;
+    Result<void> done;
+    for (std::int64_t came = 0; done && (most == 0 || came < first + most);) {
+      if (!ready() || interruption::signal() != 0) break;
+      const auto pair = camera.next(kWaitForCamera);
+      if (!pair || came++ < first) continue;
+      const std::int64_t i = came - 1 - first;
+      const Result<RgbdFrame> frame =
+          frame_of(*pair, i, input_.camera, input_.sequence.depth_shift());
+      if (!frame) return frame.error();  // so are all that follow
+      done = process_frame(*frame);
+    }
+    const LiveCounts counts = camera.counts();
+    recorder_.add_camera(counts);
+    if (!input_.request.quiet) tell_counts(counts);
+    return done;
   }
 
   /// Who interrupts a run does not want to wait for a bundle adjustment.
@@ -158,6 +194,7 @@ class Playback {
     Result<FrameReport> report = system_.process(frame);
     if (!report) return Error{fmt::format("frame {}: {}", frame.index, report.error().message)};
     newest_ = frame.index;
+    if (listeners_.recording) record(frame);
     recorder_.add(*report, map_size(system_));
     listeners_.tracks.add(*report);
     untracked_.add(frame, *report);
@@ -166,6 +203,16 @@ class Playback {
     progress_.update(static_cast<std::size_t>(frame.index) + 1, state_text(*report, system_));
     if (listeners_.pictures) draw(frame, *report);
     return {};
+  }
+
+  /// Nor does a recording, whose disk is full.
+  void record(const RgbdFrame& frame) {
+    const Result<void> recorded = listeners_.recording->add(frame);
+    if (recorded) return;
+    log::warning("frame {}: {}; nothing more is recorded", frame.index, recorded.error().message);
+    listeners_.recording_failure = recorded.error().message;
+    static_cast<void>(listeners_.recording->finish());  // which fails for the same reason
+    listeners_.recording.reset();
   }
 
   /// Pictures that cannot be written do not cost the trajectory.

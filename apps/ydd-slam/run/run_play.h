@@ -7,6 +7,7 @@
 
 #include "run/run_job.h"
 #include "run/run_pictures.h"
+#include "run/run_recording.h"
 #include "ydd/dataset/sequence.h"
 #include "ydd/detection/object_catalogue.h"
 #include "ydd/live/live_control.h"
@@ -30,8 +31,10 @@ struct Listeners {
   RunRecorder recorder;
   TrackRecorder tracks;
   KeyMoments moments;
-  std::unique_ptr<RunPictures> pictures;  ///< null: none are asked for, or they failed
-  std::string pictures_failure;           ///< empty: they did not
+  std::unique_ptr<RunPictures> pictures;    ///< null: none are asked for, or they failed
+  std::string pictures_failure;             ///< empty: they did not
+  std::unique_ptr<RunRecording> recording;  ///< null: none is asked for, or it failed
+  std::string recording_failure;            ///< empty: it did not
 };
 
 /// How a run ended.

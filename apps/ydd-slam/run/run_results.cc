@@ -129,6 +129,9 @@ std::string summary_of(const RunResults& results, bool has_detector, double wall
 
 void write_results(const RunResults& results, Attempts& attempts) {
   write_data(results, attempts);
+  if (results.listeners.recording) {
+    attempts.attempt([&] { return results.listeners.recording->finish(); });
+  }
   if (results.listeners.pictures) {
     attempts.attempt([&] { return results.listeners.pictures->finish(); });
   }

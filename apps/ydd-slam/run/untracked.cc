@@ -43,6 +43,10 @@ void Untracked::add(const RgbdFrame& frame, const FrameReport& report) {
 }
 
 std::string Untracked::depth_reason() const {
+  if (sequence_.is_live()) {
+    return fmt::format("no reading of depth lies within {:g} to {:g} m", camera_.min_depth_m,
+                       camera_.max_depth_m);
+  }
   const auto raw = sequence_.read_depth_counts(static_cast<std::size_t>(first_));
   int nearest = 0;
   if (raw) {

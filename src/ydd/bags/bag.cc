@@ -66,6 +66,7 @@ class BagOfFiles : public Bag {
       incomplete_ += fmt::format("{}{} {}", incomplete_.empty() ? "" : ", ",
                                  file.filename().string(), bag->incomplete());
     }
+    notes_.insert(bag->notes().begin(), bag->notes().end());
     bags_.push_back(std::move(bag));
   }
 

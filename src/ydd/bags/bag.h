@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,7 +24,7 @@ struct BagTopic {
   std::size_t messages = 0;
 };
 
-/// Where a message of a picture or camera is.
+/// Where a message is.
 struct BagMessage {
   std::uint32_t topic = 0;  ///< of Bag::topics
   std::uint32_t part = 0;   ///< of what the bag is made of: chunk or file; kNoPart: itself
@@ -45,8 +46,12 @@ class Bag {
 
   /// All of them.
   const std::vector<BagTopic>& topics() const { return topics_; }
-  /// Those of pictures and cameras (message_kind), in the order of the file.
+  /// Those of kinds that are read (message_kind), in the order of the file.
   const std::vector<BagMessage>& messages() const { return messages_; }
+  /// Names and texts that its recorder left in it, by the name of what they are about (metadata of
+  /// MCAP).
+  using Notes = std::map<std::string, std::map<std::string, std::string>>;
+  const Notes& notes() const { return notes_; }
   /// Why it was read in part only: "is cut off at byte 12". Empty: it is whole.
   const std::string& incomplete() const { return incomplete_; }
 
@@ -56,6 +61,7 @@ class Bag {
  protected:
   std::vector<BagTopic> topics_;
   std::vector<BagMessage> messages_;
+  Notes notes_;
   std::string incomplete_;
 };
 

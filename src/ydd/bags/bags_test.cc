@@ -31,7 +31,7 @@ WrittenMessages some_messages(Wire wire) {
   WrittenMessages out;
   for (std::size_t i = 0; i < kPictures; ++i) {
     const Timestamp stamp{static_cast<std::int64_t>(1 + i) * 1'000'000'000};
-    out.push_back({"/imu", package + "Imu", {stamp.ns + 1}, std::string(50 + i, 'i')});
+    out.push_back({"/range", package + "Range", {stamp.ns + 1}, std::string(50 + i, 'i')});
     // Larger than a page of SQLite, as pictures are.
     const std::string row(6000 + 100 * i, static_cast<char>('a' + i));
     out.push_back({"/rgb/image",
@@ -99,7 +99,7 @@ TEST_P(EveryBag, IsReadWhole) {
   ASSERT_TRUE(bag) << bag.error().message;
   EXPECT_EQ((*bag)->incomplete(), "");
   ASSERT_EQ((*bag)->topics().size(), 2U);
-  EXPECT_EQ((*bag)->topics()[0].name, "/imu");
+  EXPECT_EQ((*bag)->topics()[0].name, "/range");
   EXPECT_EQ((*bag)->topics()[0].messages, kPictures);
   EXPECT_EQ((*bag)->topics()[1].type, messages_[1].type);
   EXPECT_EQ((*bag)->topics()[1].wire, GetParam().wire);

@@ -45,6 +45,9 @@ class ChunkedBag : public Bag {
     std::string text;
   };
   Result<OpenedChunk> add_chunk(Chunk chunk);
+  void add_note(std::string name, std::map<std::string, std::string> entries) {
+    notes_.emplace(std::move(name), std::move(entries));
+  }
   void set_incomplete(std::string why) { incomplete_ = std::move(why); }
 
  private:

@@ -19,12 +19,13 @@ namespace ydd::bags {
 namespace {
 
 constexpr std::uint64_t kMcapMagicSize = 8;
-constexpr std::uint64_t kMcapHead = 9;      // of a record
+constexpr std::uint64_t kMcapHead = 9;  // of a record
+constexpr std::uint64_t kLargestNote = 65536;
 constexpr std::uint64_t kMessageHead = 22;  // channel, sequence, two times
 
 // Kinds of records.
 constexpr std::uint8_t kMcapFooter = 2, kMcapSchema = 3, kMcapChannel = 4, kMcapMessage = 5,
-                       kMcapChunk = 6, kMcapDataEnd = 15;
+                       kMcapChunk = 6, kMcapMetadata = 12, kMcapDataEnd = 15;
 
 struct McapRecord {
   std::uint8_t op = 0;
@@ -97,6 +98,9 @@ class McapIndexer {
         return "";
       case kMcapChunk:
         return part == BagMessage::kNoPart ? take_chunk(bytes, record) : "";
+      case kMcapMetadata:
+        if (whole && record.size <= kLargestNote) take_note(*bytes.at(record.body, record.size));
+        return "";
       case kMcapDataEnd:
       case kMcapFooter:
         ended_ = true;
@@ -122,6 +126,18 @@ class McapIndexer {
     const std::string name = type == schemas_.end() ? "" : type->second;
     bag_.add_topic(id, {topic, known ? name : fmt::format("{} as {}", name, encoding),
                         encoding == "ros1" ? Wire::ros1 : Wire::cdr, 0});
+  }
+
+  void take_note(std::string_view text) {
+    Body body(text);
+    std::string name = body.text();
+    body.number(4);  // bytes that follow
+    std::map<std::string, std::string> entries;
+    while (body.ok() && body.left() > 0) {
+      std::string key = body.text();
+      entries[std::move(key)] = body.text();
+    }
+    if (body.ok()) bag_.add_note(std::move(name), std::move(entries));
   }
 
   void take_message(ByteSource& bytes, const McapRecord& record, std::uint32_t part) {

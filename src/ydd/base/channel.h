@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <mutex>
 #include <optional>
@@ -40,6 +41,25 @@ class Channel {
     queue_.push_back(std::move(value));
     changed_.notify_all();
     return true;
+  }
+
+  /// Never waits: when full, the oldest value gives way to this one. False when closed.
+  bool push_over(T value) {
+    const std::lock_guard lock(mutex_);
+    if (closed_ || capacity_ == 0) return false;
+    if (queue_.size() >= capacity_) {
+      queue_.pop_front();
+      ++displaced_;
+    }
+    queue_.push_back(std::move(value));
+    changed_.notify_all();
+    return true;
+  }
+
+  /// How many values gave way to newer ones.
+  std::int64_t displaced() const {
+    const std::lock_guard lock(mutex_);
+    return displaced_;
   }
 
   /// Waits for a value. Nothing when closed and drained, or stopped.
@@ -89,6 +109,7 @@ class Channel {
   std::condition_variable_any changed_;
   std::deque<T> queue_;
   const std::size_t capacity_;
+  std::int64_t displaced_ = 0;
   bool closed_ = false;
 };
 

@@ -131,5 +131,18 @@ TEST(Channel, ManyWritersAndReadersLoseNothing) {
   EXPECT_EQ(std::accumulate(sums.begin(), sums.end(), 0L), 3L * kEach * (kEach + 1) / 2);
 }
 
+TEST(Channel, TheOldestGivesWayWhereNobodyWaits) {
+  Channel<int> channel(2);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(channel.push_over(i));
+  EXPECT_EQ(channel.displaced(), 3);
+  EXPECT_EQ(channel.try_pop(), 3);
+  EXPECT_TRUE(channel.push_over(5));
+  EXPECT_EQ(channel.displaced(), 3);
+  EXPECT_EQ(channel.try_pop(), 4);
+  EXPECT_EQ(channel.try_pop(), 5);
+  channel.close();
+  EXPECT_FALSE(channel.push_over(6));
+}
+
 }  // namespace
 }  // namespace ydd

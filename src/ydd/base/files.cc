@@ -159,6 +159,10 @@ Result<void> FreshFile::take_over_mode() {
   return {};
 }
 
+Result<void> FreshFile::append(std::string_view bytes) {
+  return write_all(descriptor_, bytes) ? Result<void>() : failure(target_, "cannot be written");
+}
+
 Result<void> FreshFile::place() {
   if (!flush(descriptor_)) return failure(target_, "cannot be written");
   if (::rename(path_.c_str(), target_.c_str()) != 0) {

@@ -40,6 +40,8 @@ class FreshFile {
 
   const std::filesystem::path& path() const { return path_; }
   int descriptor() const { return descriptor_; }
+  /// Writes at its end.
+  Result<void> append(std::string_view bytes);
   /// Flushes to disk and renames.
   Result<void> place();
 

@@ -12,9 +12,11 @@
 #include "ydd/base/result.h"
 #include "ydd/base/timestamp.h"
 #include "ydd/dataset/association.h"
+#include "ydd/dataset/live_stream.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/geometry/camera.h"
 #include "ydd/image/image.h"
+#include "ydd/reckoning/motion_samples.h"
 
 namespace ydd {
 
@@ -51,6 +53,22 @@ class PictureStore {
   virtual Result<DepthPicture> depth(std::size_t i) const = 0;
 };
 
+/// What the motion sensors of a recording said, read when it is wanted. Immutable.
+class MotionStore {
+ public:
+  MotionStore() = default;
+  virtual ~MotionStore() = default;
+  MotionStore(const MotionStore&) = delete;
+  MotionStore& operator=(const MotionStore&) = delete;
+
+  /// Topics that can be read.
+  virtual std::vector<std::string> imu_topics() const = 0;
+  virtual std::vector<std::string> odometry_topics() const = 0;
+  /// Of one of these, in the order of time. One line says what cannot be used.
+  virtual Result<std::vector<ImuSample>> read_imu(const std::string& topic) const = 0;
+  virtual Result<std::vector<OdometryPose>> read_odometry(const std::string& topic) const = 0;
+};
+
 /// One picture of a stream.
 struct PictureEntry {
   Timestamp stamp;
@@ -76,9 +94,13 @@ struct Recording {
   std::shared_ptr<const PictureStore> pictures;
   std::optional<Result<Camera>> camera;  ///< its own, or why that cannot be read; nothing: has none
   std::optional<double> depth_scale;     ///< depth value of one metre, where the format fixes it
+  bool depth_is_laid = false;            ///< a run has seen to it already that depth lies on colour
   std::optional<GroundTruth> groundtruth;
+  std::shared_ptr<const MotionStore> motion;  ///< null: no such sensors
+  /// A camera that is being looked through: then there are no lists, and frames are had from here.
+  std::shared_ptr<LiveStream> live;
 
-  /// Name of the folder, or of the file without its ending.
+  /// Name of the folder, or of the file without its ending; that of the source for a camera.
   std::string name() const;
 };
 

@@ -135,9 +135,14 @@ Error size_error(const std::string& name, std::size_t frame, int width, int heig
   return Error{fmt::format("{}: frame {} is {}x{} but {}", name, frame, width, height, expected)};
 }
 
+Error gone(const Recording& recording) {
+  return Error{fmt::format("{}: what a camera gave is not kept", recording.place.string())};
+}
+
 }  // namespace
 
 std::string Recording::name() const {
+  if (live) return source;
   std::error_code failure;
   const fs::path resolved = fs::weakly_canonical(place, failure);
   const fs::path last = resolved.has_filename() ? resolved : resolved.parent_path();
@@ -167,9 +172,23 @@ void SequenceOptions::describe(OptionTable& table) {
             "topic of a bag with depth, registered to colour; empty: told by encodings and names");
   table.add("topic_camera_info", topic_camera_info, {},
             "topic of a bag with the camera of colour; empty: the one beside it");
+  table.add("camera_mode", camera_mode, {},
+            "mode of a camera, such as 640x480@30 (ydd-slam cameras lists them); empty: chosen");
 }
 
 Result<Sequence> Sequence::of(Recording recording, const SequenceOptions& options) {
+  if (recording.live) {
+    Sequence sequence;
+    sequence.recording_ = std::move(recording);
+    sequence.options_ = options;
+    // Nothing was seen yet that could tell it.
+    const bool given = options.depth_shift != "auto";
+    const Result<DepthShift> shift =
+        given ? sequence.find_depth_shift(options.depth_shift) : Result(DepthShift());
+    if (!shift) return shift.error();
+    sequence.depth_shift_ = *shift;
+    return sequence;
+  }
   Result<Paired> paired =
       recording.pairs ? Result(pair_as_told(recording)) : pair_by_time(recording, options);
   if (!paired) return paired.error();
@@ -177,6 +196,7 @@ Result<Sequence> Sequence::of(Recording recording, const SequenceOptions& option
   sequence.recording_ = std::move(recording);
   sequence.entries_ = std::move(paired->entries);
   sequence.pairing_ = paired->pairing;
+  sequence.options_ = options;
   // Of the whole recording, so that a part of it is read as all of it is.
   const Result<DepthShift> shift = sequence.find_depth_shift(options.depth_shift);
   if (!shift) return shift.error();
@@ -187,6 +207,7 @@ Result<Sequence> Sequence::of(Recording recording, const SequenceOptions& option
 
 Result<DepthShift> Sequence::find_depth_shift(const std::string& asked) const {
   if (asked == "auto") {
+    if (recording_.depth_is_laid) return DepthShift();
     return estimate_depth_shift(size(), [this](std::size_t i) -> Result<LaidPair> {
       const Result<ColourImage> colour = read_colour(i);
       if (!colour) return colour.error();
@@ -227,12 +248,14 @@ Result<RgbdFrame> Sequence::read(std::size_t i, const Camera& camera) const {
 }
 
 Result<ColourImage> Sequence::read_colour(std::size_t i) const {
+  if (is_live()) return gone(recording_);
   const Result<ColourPicture> picture = recording_.pictures->colour(entries_.at(i).colour);
   if (!picture) return picture.error();
   return picture->decode();
 }
 
 Result<RawDepthImage> Sequence::read_depth_counts(std::size_t i) const {
+  if (is_live()) return gone(recording_);
   const Result<DepthPicture> picture = recording_.pictures->depth(entries_.at(i).depth);
   if (!picture) return picture.error();
   return picture->counts();

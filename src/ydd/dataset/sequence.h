@@ -30,6 +30,7 @@ struct SequenceOptions {
   std::string topic_colour = {};     ///< of a bag; empty: told by encodings and names
   std::string topic_depth = {};
   std::string topic_camera_info = {};
+  std::string camera_mode = {};  ///< of a camera, "640x480@30"; empty: chosen
 
   void describe(OptionTable& table);
 };
@@ -52,6 +53,11 @@ class Sequence {
   std::size_t size() const { return entries_.size(); }
   const SequenceEntry& entry(std::size_t i) const { return entries_.at(i); }
   const std::vector<SequenceEntry>& entries() const { return entries_; }
+
+  /// Whether this is a camera: then no frame is known beforehand nor can be read again, size() is
+  /// 0, and `recording().live` gives what comes.
+  bool is_live() const { return recording_.live != nullptr; }
+  const SequenceOptions& options() const { return options_; }
 
   /// The folder or file that was opened.
   const std::filesystem::path& place() const { return recording_.place; }
@@ -77,6 +83,7 @@ class Sequence {
   Result<DepthShift> find_depth_shift(const std::string& asked) const;
 
   Recording recording_;
+  SequenceOptions options_;
   std::vector<SequenceEntry> entries_;
   std::optional<Pairing> pairing_;
   DepthShift depth_shift_;

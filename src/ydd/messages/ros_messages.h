@@ -11,11 +11,11 @@
 #include "ydd/base/timestamp.h"
 #include "ydd/messages/wire_reader.h"
 
-/// The messages of sensor_msgs that a recording is made of, of ROS 1 and 2 alike
+/// The messages of sensor_msgs and nav_msgs that a recording is made of, of ROS 1 and 2 alike
 /// (https://docs.ros.org/en/api/sensor_msgs/html/). Texts and data point into the message.
 namespace ydd {
 
-enum class MessageKind { image, compressed_image, camera_info, other };
+enum class MessageKind { image, compressed_image, camera_info, imu, odometry, other };
 
 /// Of a type's name: "sensor_msgs/Image" or "sensor_msgs/msg/Image".
 MessageKind message_kind(std::string_view type);
@@ -52,9 +52,25 @@ struct CameraInfoMessage {
   std::array<double, 12> p{};  ///< of the rectified picture
 };
 
+struct ImuMessage {
+  Timestamp stamp;
+  std::string_view frame;
+  bool has_turn = false, has_acceleration = false;  ///< a covariance of -1 says that it has not
+  std::array<double, 3> turn_rad_s{}, acceleration_m_s2{};
+};
+
+struct OdometryMessage {
+  Timestamp stamp;
+  std::string_view frame, child_frame;
+  std::array<double, 3> position_m{};
+  std::array<double, 4> orientation{};  ///< x, y, z, w
+};
+
 /// Nothing when the bytes are no such message.
 std::optional<ImageMessage> read_image(std::string_view message, Wire wire);
 std::optional<CompressedImageMessage> read_compressed_image(std::string_view message, Wire wire);
 std::optional<CameraInfoMessage> read_camera_info(std::string_view message, Wire wire);
+std::optional<ImuMessage> read_imu(std::string_view message, Wire wire);
+std::optional<OdometryMessage> read_odometry(std::string_view message, Wire wire);
 
 }  // namespace ydd

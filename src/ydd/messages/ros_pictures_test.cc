@@ -207,7 +207,9 @@ TEST(RosMessages, TypesAndStamps) {
   EXPECT_EQ(message_kind("sensor_msgs/Image"), MessageKind::image);
   EXPECT_EQ(message_kind("sensor_msgs/msg/CompressedImage"), MessageKind::compressed_image);
   EXPECT_EQ(message_kind("sensor_msgs/CameraInfo"), MessageKind::camera_info);
-  EXPECT_EQ(message_kind("sensor_msgs/msg/Imu"), MessageKind::other);
+  EXPECT_EQ(message_kind("sensor_msgs/msg/Imu"), MessageKind::imu);
+  EXPECT_EQ(message_kind("nav_msgs/Odometry"), MessageKind::odometry);
+  EXPECT_EQ(message_kind("sensor_msgs/msg/Range"), MessageKind::other);
   EXPECT_EQ(message_kind("my_msgs/Image"), MessageKind::other);
   for (const Wire wire : {Wire::ros1, Wire::cdr}) {
     const std::string bytes = compressed_message(wire, kStamp, "jpeg", "x");

@@ -51,6 +51,9 @@ function drawSummary() {
   errorCards(cards);
   card(cards, 'frames tracked', summary.frames_tracked + ' of ' + summary.frames_processed,
     summary.frames_tracked < summary.frames_processed);
+  if (summary.camera && summary.camera.pauses + summary.camera.unplugged) {
+    card(cards, 'camera', 'paused ' + summary.camera.pauses + ' times, unplugged ' + summary.camera.unplugged, true);
+  }
   if (skipped + summary.frames_dropped) {
     card(cards, 'frames not seen', skipped + ' skipped, ' + summary.frames_dropped + ' dropped', true);
   }

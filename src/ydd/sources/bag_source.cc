@@ -13,7 +13,9 @@
 #include "ydd/base/log.h"
 #include "ydd/base/timing.h"
 #include "ydd/messages/ros_pictures.h"
+#include "ydd/sources/bag_motion.h"
 #include "ydd/sources/bag_topics.h"
+#include "ydd/sources/camera_note.h"
 #include "ydd/sources/layout.h"
 
 namespace ydd::sources {
@@ -38,6 +40,10 @@ Result<StoredMessage> read_message(const Bag& bag, const BagMessage& message, st
                        std::make_shared<const std::string>(*std::move(bytes))};
 }
 
+bool holds_picture(MessageKind kind) {
+  return kind == MessageKind::image || kind == MessageKind::compressed_image;
+}
+
 /// What there is, each topic of pictures with the nature of its first message.
 std::vector<TopicSeen> topics_seen(const Bag& bag) {
   std::vector<TopicSeen> out;
@@ -47,7 +53,7 @@ std::vector<TopicSeen> topics_seen(const Bag& bag) {
   std::vector<bool> looked(out.size());
   for (const BagMessage& message : bag.messages()) {
     TopicSeen& topic = out[message.topic];
-    if (looked[message.topic] || topic.kind == MessageKind::camera_info) continue;
+    if (looked[message.topic] || !holds_picture(topic.kind)) continue;
     looked[message.topic] = true;
     if (const auto first = read_message(bag, message, topic.name)) topic.nature = nature_of(*first);
   }
@@ -171,6 +177,16 @@ void warn_of_other_lens(const Bag& bag, const fs::path& file, const std::vector<
   }
 }
 
+/// The camera that a recording of ours keeps; nothing: it is none.
+std::optional<Camera> noted_camera(const Bag& bag, const fs::path& file) {
+  const auto note = bag.notes().find(kCameraNote);
+  if (note == bag.notes().end()) return std::nullopt;
+  const Result<Camera> camera = camera_of_note(note->second);
+  if (camera) return *camera;
+  log::warning("{}: {}; CameraInfo counts", file.string(), camera.error().message);
+  return std::nullopt;
+}
+
 Result<Camera> bag_camera(const Bag& bag, const std::vector<TopicSeen>& topics, std::size_t colour,
                           std::size_t depth, const std::string& asked) {
   const Result<std::size_t> topic = choose_camera_info(topics, colour, depth, asked);
@@ -208,17 +224,21 @@ Result<Recording> open_bag_recording(const fs::path& file, const SequenceOptions
   Recording recording;
   recording.colour = colours.entries;
   recording.depth = depths.entries;
-  Result<Camera> camera = bag_camera(bag, topics, *colour, *depth, options.topic_camera_info);
-  if (camera) {
+  const auto noted = options.topic_camera_info.empty() ? noted_camera(bag, file) : std::nullopt;
+  Result<Camera> camera =
+      noted ? Result(*noted) : bag_camera(bag, topics, *colour, *depth, options.topic_camera_info);
+  if (!noted && camera) {
     camera->fps = rate_hz(recording.colour, camera->fps);
     warn_of_other_lens(bag, file, topics, *depth, *camera);
-  } else {
+  } else if (!camera) {
     camera = Error{fmt::format("{}: {}", file.string(), camera.error().message)};
   }
   recording.camera = camera;
+  recording.depth_is_laid = noted.has_value();
   if (topics[*depth].nature.encoding.find("32FC1") == std::string::npos) {
     recording.depth_scale = kRosDepthScale;
   }
+  recording.motion = bag_motion(*opened, file);
   recording.pictures =
       std::make_shared<const BagPictures>(*opened, std::move(colours), std::move(depths));
   return recording;

@@ -10,6 +10,7 @@
 #include "ydd/bags/bags_testing.h"
 #include "ydd/base/temporary_folder_testing.h"
 #include "ydd/dataset/camera_file.h"
+#include "ydd/messages/ros_writing.h"
 #include "ydd/messages/wire_testing.h"
 #include "ydd/sources/bag_topics.h"
 #include "ydd/sources/source.h"
@@ -183,6 +184,65 @@ TEST_F(BagSource, RegisteredDepthIsBetterThanTheSensorsOwn) {
   EXPECT_THAT(log_of_opening(),
               HasSubstr("/camera/depth/image_rect_raw is seen with fx 20.0 but colour with 30.0: "
                         "depth must be registered to colour"));
+}
+
+TEST_F(BagSource, SensorsOfMotionAreFoundByTheirType) {
+  add_all();
+  EXPECT_EQ(open()->recording().motion, nullptr);
+  fs::remove(folder_ / "a.db3");
+  ImuMessage imu;
+  imu.has_turn = imu.has_acceleration = true;
+  OdometryMessage wheels;
+  wheels.orientation = {0, 0, 1, 0};
+  for (const int i : {0, 2, 1, 1}) {  // out of order, and one twice
+    imu.stamp = wheels.stamp = at(i);
+    imu.turn_rad_s = {0.1 * i, 0, 0};
+    imu.acceleration_m_s2 = {0, -9.8, 0};
+    wheels.position_m = {0, 1.0 * i, 0};
+    add("/imu", "Imu", at(i), write_imu(imu, Wire::cdr));
+    messages_.push_back(
+        {"/wheels", "nav_msgs/msg/Odometry", at(i), write_odometry(wheels, Wire::cdr)});
+  }
+  add("/imu", "Imu", at(3), "damaged, and long enough to hold a header");
+  const auto sequence = open();
+  ASSERT_TRUE(sequence) << sequence.error().message;
+  const MotionStore& motion = *sequence->recording().motion;
+  EXPECT_EQ(motion.imu_topics(), std::vector<std::string>{"/imu"});
+  EXPECT_EQ(motion.odometry_topics(), std::vector<std::string>{"/wheels"});
+  testing::internal::CaptureStderr();
+  const std::vector<ImuSample> turned = motion.read_imu("/imu").value();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("/imu: 2 messages are damaged or"));
+  ASSERT_EQ(turned.size(), 3U);
+  EXPECT_EQ(turned[2].stamp, at(2));
+  EXPECT_EQ(turned[2].gyro_rad_s.x(), 0.2);
+  EXPECT_EQ(turned[2].accel_m_s2.y(), -9.8);
+  const std::vector<OdometryPose> gone = motion.read_odometry("/wheels").value();
+  ASSERT_EQ(gone.size(), 3U);
+  EXPECT_EQ(gone[1].T_odom_base.translation().y(), 1);
+  EXPECT_EQ(gone[1].T_odom_base.rotation().z(), 1);
+}
+
+TEST_F(BagSource, SensorsOfMotionThatCannotBeUsedAreOneLine) {
+  add_all();
+  ImuMessage imu;
+  imu.has_turn = true;  // as a TUM recording's accelerometer, the other way round
+  add("/no_acceleration", "Imu", at(0), write_imu(imu, Wire::cdr));
+  imu.has_acceleration = true;
+  imu.turn_rad_s = {180, 0, 0};
+  add("/degrees", "Imu", at(0), write_imu(imu, Wire::cdr));
+  add("/nothing", "Imu", at(0), "damaged, and long enough to hold a header");
+  OdometryMessage wheels;  // its quaternion is 0
+  messages_.push_back({"/odom", "nav_msgs/msg/Odometry", at(0), write_odometry(wheels, Wire::cdr)});
+  const auto sequence = open();
+  const MotionStore& motion = *sequence->recording().motion;
+  const auto error = [&](const std::string& topic) {
+    return motion.read_imu(topic).error().message;
+  };
+  EXPECT_THAT(error("/no_acceleration"), HasSubstr("measures no acceleration"));
+  EXPECT_THAT(error("/degrees"),
+              HasSubstr("/degrees, message 0: has a reading that no such sensor gives"));
+  EXPECT_THAT(error("/nothing"), HasSubstr("has no message that can be read"));
+  EXPECT_THAT(motion.read_odometry("/odom").error().message, HasSubstr("has a pose that is none"));
 }
 
 TEST_F(BagSource, TheOrderIsThatOfTheHeaders) {

@@ -16,6 +16,7 @@ struct Layout {
   /// Whether `path` looks like one: by names alone, without reading a picture.
   bool (*recognises)(const std::filesystem::path& path);
   Result<Recording> (*open)(const std::filesystem::path& path, const SequenceOptions& options);
+  bool is_camera = false;  ///< then `path` is no path, but names one of these cameras
 };
 
 Layout tum_layout();        ///< rgb.txt and depth.txt; tum_folder.cc
@@ -28,6 +29,8 @@ Layout realsense_layout();  ///< picture_folders.cc
 
 Layout sens_layout();  ///< sens_file.cc
 Layout bag_layout();   ///< bag_source.cc
+
+Layout openni2_layout();  ///< openni2_source.cc
 
 /// Whether the name is there, as whatever kind.
 bool has(const std::filesystem::path& folder, const char* name);

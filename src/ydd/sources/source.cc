@@ -30,7 +30,8 @@ const std::vector<Layout>& layouts() {
   static const std::vector<Layout> all = {
       sources::icl_layout(),          sources::tum_layout(),     sources::openloris_layout(),
       sources::seven_scenes_layout(), sources::scannet_layout(), sources::open3d_layout(),
-      sources::realsense_layout(),    sources::sens_layout(),    sources::bag_layout()};
+      sources::realsense_layout(),    sources::sens_layout(),    sources::bag_layout(),
+      sources::openni2_layout()};
   return all;
 }
 
@@ -42,11 +43,17 @@ Result<Layout> named_layout(const std::string& name) {
                            fmt::join(source_names(), ", "))};
 }
 
+std::string nothing_at(const fs::path& path) {
+  return fmt::format("{}: no such file or folder", path.string());
+}
+
 Result<Layout> layout_of(const fs::path& path, const SequenceOptions& options) {
   if (!options.source.empty()) return named_layout(options.source);
   for (const Layout& layout : layouts()) {
     if (layout.recognises(path)) return layout;
   }
+  std::error_code failure;
+  if (!fs::exists(path, failure)) return Error{nothing_at(path)};
   // Lists of pairs can stand alone.
   if (!options.associations.empty()) return sources::tum_layout();
   const char* const lacks = fs::is_directory(path) ? "has no rgb.txt, and " : "";
@@ -73,12 +80,10 @@ std::string source_table() {
 }
 
 Result<Recording> open_recording(const fs::path& path, const SequenceOptions& options) {
-  std::error_code failure;
-  if (!fs::exists(path, failure)) {
-    return Error{fmt::format("{}: no such file or folder", path.string())};
-  }
   const Result<Layout> layout = layout_of(path, options);
   if (!layout) return layout.error();
+  std::error_code failure;
+  if (!layout->is_camera && !fs::exists(path, failure)) return Error{nothing_at(path)};
   Result<Recording> recording = layout->open(path, options);
   if (!recording) return recording;
   recording->place = path;
@@ -90,6 +95,12 @@ Result<Recording> open_recording(const fs::path& path, const SequenceOptions& op
 Result<Sequence> open_sequence(const fs::path& path, const SequenceOptions& options) {
   Result<Recording> recording = open_recording(path, options);
   if (!recording) return recording.error();
+  if (recording->live) {
+    return Error{fmt::format(
+        "{}: is a camera, which only 'run' looks through; 'run {} --record FILE' makes a recording "
+        "of it",
+        path.string(), path.string())};
+  }
   return Sequence::of(*std::move(recording), options);
 }
 

@@ -20,11 +20,12 @@ std::vector<std::string> source_names();
 std::string source_table();
 
 /// Finds the pictures of the recording at `path`, its camera and its truth. No picture is decoded.
+/// What names a camera that is plugged in starts it (Recording::live).
 /// One line says why not: nothing there, no source that knows it, a list that is damaged.
 Result<Recording> open_recording(const std::filesystem::path& path,
                                  const SequenceOptions& options = {});
 
-/// The same, with colour and depth paired.
+/// The same, with colour and depth paired. A camera is refused: it is no recording yet.
 Result<Sequence> open_sequence(const std::filesystem::path& path,
                                const SequenceOptions& options = {});
 

@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/point_decisions.h"
 
+#include <algorithm>
+#include <initializer_list>
 #include <memory>
-#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "ydd/base/timing.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/dataset/frame_source.h"
 #include "ydd/detection/recorded_detections.h"
-#include "ydd/dynamics/evidence_rules.h"
-#include "ydd/dynamics/judge.h"
-#include "ydd/evidence/motion_evidence.h"
-#include "ydd/features/orb_extractor.h"
 #include "ydd/image/decode.h"
-#include "ydd/objects/box_carrier.h"
 #include "ydd/sources/source.h"
+#include "ydd/system/slam_system.h"
 
 namespace ydd {
 namespace {
@@ -44,68 +42,41 @@ std::vector<Box> person_boxes(const Detections& detections) {
   return boxes;
 }
 
-/// Replays the recording; without one there is never a box.
-Result<RecordedDetector> recorded_boxes(const std::filesystem::path& file) {
-  if (file.empty()) {
-    return RecordedDetector(DetectionRecording({}), "no boxes", {.missing_is_empty = true});
-  }
+/// Replays the recording; without one there is none.
+Result<std::unique_ptr<Detector>> recorded_boxes(const std::filesystem::path& file) {
+  if (file.empty()) return std::unique_ptr<Detector>();
   Result<DetectionRecording> recording = DetectionRecording::read(file);
   if (!recording) return recording.error();
-  return RecordedDetector(std::move(*recording), file.string());
+  return std::unique_ptr<Detector>(
+      std::make_unique<RecordedDetector>(std::move(*recording), file.string()));
 }
 
-/// Boxes as a detector gives them that is so many frames late.
-class LateBoxes {
- public:
-  LateBoxes(RecordedDetector detector, const DetectOptions& options, int latency_frames)
-      : detector_(std::move(detector)), carrier_(options.carry), latency_(latency_frames) {}
-
-  Result<Detections> next(const RgbdFrame& frame) {
-    if (latency_ == 0) return detector_.detect(frame);
-    carrier_.advance(frame);
-    if (asked_ < 0 || frame.index - asked_ >= latency_) {
-      const RgbdFrame& seen = asked_ < 0 ? frame : asked_frame_;
-      Result<Detections> found = detector_.detect(seen);
-      if (!found) return found;
-      carrier_.take(seen.index, *found);
-      asked_ = frame.index;
-      asked_frame_ = frame;
-    }
-    return carrier_.now();
+SystemOptions repeatable(SystemOptions options, int latency_frames) {
+  options.deterministic = true;
+  if (latency_frames > 0) {
+    options.detect.mode = DetectMode::asynchronous;
+    options.detect.latency_frames = latency_frames;
   }
+  return options;
+}
 
- private:
-  RecordedDetector detector_;
-  BoxCarrier carrier_;
-  int latency_;
-  std::int64_t asked_ = -1;
-  RgbdFrame asked_frame_;
-};
-
-/// The judge with the evidence beside it that variant `evidence` asks. Nobody tracks here: how the
-/// camera moves is what the evidence itself finds.
-class JudgeWithEvidence {
- public:
-  JudgeWithEvidence(const DynamicsOptions& options, const Camera& camera)
-      : judge_(options, ObjectCatalogue::defaults()), evidence_(options.evidence, camera) {}
-
-  int budget() const { return judge_.budget(); }
-
-  Judgement judge(const std::shared_ptr<const Features>& features, const Detections& detections,
-                  const RgbdFrame& frame) {
-    if (judge_.options().variant != Variant::evidence) {
-      return judge_.judge(*features, detections, frame.depth_m);
-    }
-    const MotionOdds odds = evidence_.look(features, frame.depth_m, frame.stamp);
-    Judgement judgement = judge_.judge(*features, detections, frame.depth_m, &odds);
-    evidence_.settle(std::nullopt, prior_of_cells(judgement.regions, odds));
-    return judgement;
+double cpu_ms_of(const StageTimes& times, std::initializer_list<std::string_view> stages) {
+  double sum = 0;
+  for (const StageTime& t : times) {
+    if (std::find(stages.begin(), stages.end(), t.stage) != stages.end()) sum += t.cpu_ms;
   }
+  return sum;
+}
 
- private:
-  DynamicsJudge judge_;
-  MotionEvidence evidence_;
-};
+PointQuality quality_of(const FrameReport& report, const GreyImage& mask) {
+  std::vector<Keypoint> keypoints = report.filtered->kept->keypoints;
+  std::vector<Rule> rules(keypoints.size(), Rule::kept);
+  for (const RejectedPoint& point : report.filtered->rejected) {
+    keypoints.push_back(point.keypoint);
+    rules.push_back(point.rule);
+  }
+  return point_quality(rules, keypoints, mask, person_boxes(report.detections));
+}
 
 }  // namespace
 
@@ -116,32 +87,24 @@ Result<PointDecisions> decide_points(const std::filesystem::path& folder,
   if (!sequence) return sequence.error();
   const Result<Camera> camera = find_camera(sequence->recording());
   if (!camera) return camera.error();
-  Result<RecordedDetector> recorded = recorded_boxes(detections_file);
-  if (!recorded) return recorded.error();
-  LateBoxes boxes(std::move(*recorded), options.detect, latency_frames);
-  JudgeWithEvidence judge(options.dynamics, *camera);
-  OrbExtractor extractor(options.orb);
+  Result<std::unique_ptr<Detector>> boxes = recorded_boxes(detections_file);
+  if (!boxes) return boxes.error();
+  SlamSystem system(*camera, repeatable(options, latency_frames), ObjectCatalogue::defaults(),
+                    std::move(*boxes));
   PointDecisions result;
   FrameSource source(*sequence, *camera);
   for (std::size_t i = 0; auto frame = source.next(); ++i) {
     if (!*frame) return frame->error();
     const Result<GreyImage> mask = load_mask(*sequence, i);
     if (!mask) return mask.error();
-    const Result<Detections> detections = boxes.next(**frame);
-    if (!detections) return detections.error();
-    StageTimes times;
-    StageTimer extract_timer(times, "extract");
-    const auto features = std::make_shared<const Features>(with_geometry(
-        extractor.extract((*frame)->grey, judge.budget()), *camera, (*frame)->depth_m));
-    extract_timer.stop();
-    StageTimer judge_timer(times, "judge");
-    const Judgement judgement = judge.judge(features, *detections, **frame);
-    judge_timer.stop();
-    result.extract_ms.push_back(times[0].cpu_ms);
-    result.judge_ms.push_back(times[1].cpu_ms);
-    result.quality +=
-        point_quality(judgement.rules, features->keypoints, *mask, person_boxes(*detections));
+    const Result<FrameReport> report = system.process(**frame);
+    if (!report) return report.error();
+    result.extract_ms.push_back(cpu_ms_of(report->times, {"features"}));
+    result.judge_ms.push_back(
+        cpu_ms_of(report->times, {"evidence", "dynamics", "settle_evidence"}));
+    result.quality += quality_of(*report, *mask);
   }
+  if (auto r = system.finish(); !r) return r.error();
   return result;
 }
 

@@ -16,10 +16,10 @@ struct PointDecisions {
   std::vector<double> judge_ms, extract_ms;  ///< processor time, one entry a frame
 };
 
-/// Judges the points of a sequence that has a folder `mask` (the instance of what moves at every
-/// pixel, 0: nothing) by recorded boxes; without a file there are none. With a latency above 0 the
-/// boxes come from a detector that needs so many frames, and are carried on meanwhile. Nothing is
-/// tracked: variant `evidence` finds out by itself how the camera moves.
+/// What the whole system decides about the points of a sequence that has a folder `mask` (the
+/// instance of what moves at every pixel, 0: nothing), with recorded boxes; without a file there
+/// are none. With a latency above 0 the boxes come from a detector that needs so many frames, and
+/// are carried on meanwhile.
 Result<PointDecisions> decide_points(const std::filesystem::path& folder,
                                      const std::filesystem::path& detections_file,
                                      const SystemOptions& options, int latency_frames);

@@ -76,6 +76,14 @@ Json to_json(const Pairing& pairing) {
           {"depth_later_s", pairing.depth_later_s}};
 }
 
+Json to_json(const LiveCounts& counts) {
+  return {{"arrived", counts.arrived},
+          {"dropped", counts.dropped},
+          {"unpaired", counts.unpaired},
+          {"pauses", counts.pauses},
+          {"unplugged", counts.unplugged}};
+}
+
 Json to_json(const LoopCounts& counts) {
   return {{"keyframes_left_out", counts.keyframes_left_out},
           {"full_bundles", counts.full_bundles},
@@ -127,6 +135,11 @@ RunRecorder::Objects RunRecorder::count_objects(const Judgement& judgement) {
 
 void RunRecorder::add_skipped(std::int64_t frame, const std::string& reason) {
   skipped_.emplace_back(frame, reason);
+}
+
+void RunRecorder::add_camera(const LiveCounts& counts) {
+  camera_ = counts;
+  add_dropped(static_cast<int>(counts.dropped));
 }
 
 void RunRecorder::add_command(std::int64_t after_frame, const std::string& command) {
@@ -183,6 +196,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"groundtruth", run.groundtruth},
       {"versions", run.versions},
       {"pictures", run.pairing ? to_json(*run.pairing) : Json()},
+      {"camera", camera_ ? to_json(*camera_) : Json()},
       {"depth_shift_px", {run.depth_shift.right_px, run.depth_shift.down_px}},
       {"frames_in", frames_in()},
       {"frames_processed", processed_},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ydd/dataset/depth_shift.h"
+#include "ydd/dataset/live_stream.h"
 #include "ydd/dataset/pairing.h"
 #include "ydd/system/slam_system.h"
 
@@ -40,6 +41,8 @@ class RunRecorder {
   void add(const FrameReport& report, const MapSize& map = {});
   void add_skipped(std::int64_t frame, const std::string& reason);
   void add_dropped(int frames) { dropped_ += frames; }
+  /// What came from the camera that the run looked through, in the end.
+  void add_camera(const LiveCounts& counts);
   /// What somebody asked for while it ran (docs/live-view.md); `after_frame` -1: before the first.
   void add_command(std::int64_t after_frame, const std::string& command);
 
@@ -91,6 +94,7 @@ class RunRecorder {
   int tracked_ = 0;
   int keyframes_ = 0;
   int dropped_ = 0;
+  std::optional<LiveCounts> camera_;
   std::vector<std::pair<std::int64_t, std::string>> skipped_;
   std::vector<std::pair<std::int64_t, std::string>> commands_;
   std::map<std::string, int> doubts_;  ///< frames by why they coast
