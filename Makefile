@@ -40,10 +40,11 @@ bench: configure  ## Build and run the micro benchmarks
 	@cmake --build --preset release --parallel $(JOBS)
 	@for program in build/bench/*_bench; do "$$program" || exit 1; done
 
-check: deps  ## What needs no build: architecture, formatting
+check: deps  ## What needs no build: architecture, formatting, README's tables
 	tools/check-architecture --self-test
 	tools/check-architecture
 	tools/check-format
+	tools/readme-tables --check
 
 format: deps  ## Format all sources in place
 	@tools/check-format --fix

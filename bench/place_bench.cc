@@ -35,7 +35,8 @@ void WordsOfAFrame(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(bag_of_words(builtin_vocabulary(), descriptors));
 }
 
-void Query(benchmark::State& state) {
+/// By the index, or by comparing with every keyframe.
+void Query(benchmark::State& state, bool exhaustive) {
   std::mt19937 random(1);
   Camera camera;
   Atlas atlas(camera, PyramidScales::make(8, 1.2));
@@ -50,8 +51,9 @@ void Query(benchmark::State& state) {
   }
   const BagOfWords query = random_words(random);
   for (auto _ : state) {
-    const auto found = query_places(
-        atlas, query, [](KeyFrameId) { return true; }, 24);
+    const auto anybody = [](KeyFrameId) { return true; };
+    const auto found = exhaustive ? query_places_exhaustively(atlas, query, anybody, 24)
+                                  : query_places(atlas, query, anybody, 24);
     benchmark::DoNotOptimize(found.data());
   }
   state.counters["kB_a_keyframe"] =
@@ -59,7 +61,18 @@ void Query(benchmark::State& state) {
 }
 
 BENCHMARK(WordsOfAFrame)->Unit(benchmark::kMicrosecond);
-BENCHMARK(Query)->Arg(100)->Arg(1000)->Arg(10000)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Query, index, false)
+    ->Arg(100)
+    ->Arg(1000)
+    ->Arg(10000)
+    ->Arg(50000)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Query, exhaustive, true)
+    ->Arg(100)
+    ->Arg(1000)
+    ->Arg(10000)
+    ->Arg(50000)
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace ydd

@@ -1,5 +1,5 @@
 # cmake --install and find_package(ydd-slam): the rooms as ydd::<room>, headers under include/ydd.
-# Components: runtime, development, python, and ros1, which is in no package.
+# Components: runtime, video, development, python, and ros1, which is in no package.
 include(CMakePackageConfigHelpers)
 get_property(rooms GLOBAL PROPERTY YDD_ROOMS)
 install(TARGETS ydd_flags ${rooms} EXPORT ydd-slam-targets

@@ -1,5 +1,6 @@
-# `make package`: Debian packages ydd-slam, ydd-slam-dev and python3-ydd-slam, with the dependencies
-# that dpkg-shlibdeps finds.
+# `make package`: Debian packages ydd-slam, ydd-slam-dev, python3-ydd-slam and ydd-slam-video, with
+# the dependencies that dpkg-shlibdeps finds. What encodes videos is one of its own: OpenCV's video
+# back end brings 190 packages with it, as much again as all the rest.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME ydd-slam)
 set(CPACK_PACKAGE_VENDOR ydd-slam)
@@ -23,8 +24,15 @@ set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "From colour and depth it computes where
 stands still.
 People may fill half the picture: only the points on them are left out. With
 a network that finds them, a window, a web page and maps that last.")
-if(YDD_HAS_WINDOW)
-  set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS fonts-dejavu-core)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS fonts-dejavu-core)
+if(TARGET ydd_video)
+  list(APPEND CPACK_COMPONENTS_ALL video)
+  string(APPEND CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS ", ydd-slam-video (= ${PROJECT_VERSION})")
+  set(CPACK_DEBIAN_VIDEO_PACKAGE_NAME ydd-slam-video)
+  set(CPACK_DEBIAN_VIDEO_PACKAGE_SECTION science)
+  set(CPACK_DEBIAN_VIDEO_PACKAGE_DEPENDS "ydd-slam (= ${PROJECT_VERSION})")
+  set(CPACK_COMPONENT_VIDEO_DESCRIPTION "Videos of runs
+What `ydd-slam run --video` needs besides.")
 endif()
 
 # What find_package(ydd-slam) looks for; the list is that of tools/install-deps.

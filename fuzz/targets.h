@@ -25,6 +25,7 @@ void map_rows(std::string_view input);
 void objects(std::string_view input);
 void onnx(std::string_view input);
 void options(std::string_view input);
+void paper_run(std::string_view input);
 void png(std::string_view input);
 void png_pixels(std::string_view input);
 void ros_messages(std::string_view input);

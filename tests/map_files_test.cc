@@ -118,6 +118,32 @@ TEST(Maps, OfOnePlaceAreMergedAndOfTwoKeptApart) {
   ASSERT_EQ(apart.exit_code, 0) << apart.err;
   EXPECT_THAT(apart.out, HasSubstr("no common place"));
   EXPECT_EQ(info(folder / "d.map").at("maps").size(), 2U);
+  // Three at once, then some of it in a file of its own, and without what was seen once.
+  const Outcome three =
+      ydd_slam({"map", "merge", folder / "a.map", folder / "o.map", folder / "b.map", "--out",
+                folder / "e.map", "--set", "loop.min_score_ratio=0.5"});
+  ASSERT_EQ(three.exit_code, 0) << three.err;
+  EXPECT_THAT(three.out, HasSubstr("o.map: no common place"));
+  EXPECT_THAT(three.out, HasSubstr("b.map: merged map 2 onto map 0"));
+  EXPECT_THAT(three.out, HasSubstr("keyframes overlap"));
+  const Outcome split =
+      ydd_slam({"map", "split", folder / "e.map", "--which", "1", "--out", folder / "f.map"});
+  ASSERT_EQ(split.exit_code, 0) << split.err;
+  EXPECT_EQ(info(folder / "f.map").at("maps").size(), 1U);
+  EXPECT_EQ(info(folder / "f.map").at("keyframes"), info(folder / "o.map").at("keyframes"));
+  const Outcome pruned = ydd_slam({"map", "prune", folder / "e.map", "--out", folder / "g.map"});
+  ASSERT_EQ(pruned.exit_code, 0) << pruned.err;
+  EXPECT_LT(info(folder / "g.map").at("points"), info(folder / "e.map").at("points"));
+  for (const char* const name : {"e.map", "f.map", "g.map"}) {
+    const Outcome check = ydd_slam({"map", "check", folder / name});
+    EXPECT_EQ(check.exit_code, 0) << check.err;
+    EXPECT_THAT(check.out, HasSubstr(": sound: "));
+  }
+  const Outcome none =
+      ydd_slam({"map", "split", folder / "e.map", "--which", "9", "--out", folder / "h.map"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("holds no map number 9"));
+  EXPECT_FALSE(fs::exists(folder / "h.map"));
 }
 
 // --- clouds -----------------------------------------------------------------------------------
@@ -267,6 +293,9 @@ TEST(Maps, WhatIsNoMapIsOneClearLineAndStays) {
   const std::string letter = folder / "letter";
   for (const Arguments& arguments :
        {Arguments{"map", "info", letter}, Arguments{"map", "export", letter, "--sparse", "x.ply"},
+        Arguments{"map", "check", letter},
+        Arguments{"map", "prune", letter, "--out", folder / "out.map"},
+        Arguments{"map", "split", letter, "--which", "0", "--out", folder / "out.map"},
         Arguments{"map", "merge", letter, letter, "--out", folder / "out.map"},
         Arguments{"run", sequence, "--map", letter},
         Arguments{"run", sequence, "--save-map", letter}}) {

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include "bench/bench.h"
+#include "bench/bench_paper.h"
+#include "bench/bench_scale.h"
 #include "bench/bench_seeds.h"
 #include "commands.h"
 #include "common/scratch_folder.h"
@@ -95,6 +97,86 @@ void add_seed_bench(CLI::App& parent, Job& job, const std::string& name, const s
   });
 }
 
+void add_scale_bench(CLI::App& parent, Job& job) {
+  auto request = std::make_shared<ScaleRequest>();
+  auto* command = parent.add_subcommand(
+      "scale", "Maps grown from simulated rooms: what a frame, a keyframe, a save cost by size");
+  command->add_option("--keyframes", request->sizes, "Sizes of the maps")
+      ->delimiter(',')
+      ->check(CLI::Range(100, 1000000))
+      ->capture_default_str();
+  command->add_option("--keypoints", request->keypoints, "Points of a keyframe, about")
+      ->check(CLI::Range(100, 2000))
+      ->capture_default_str();
+  command->add_option("--rooms", request->rooms, "Different rooms that they are grown from")
+      ->check(CLI::Range(1, 50));
+  command->add_option("--seed", request->seed, "Of what makes copies of a room look different");
+  command->add_option("--first-seed", request->first_seed, "Seed of the first room")
+      ->check(CLI::Range(0, 1000000));
+  command->add_option("--width", request->width_px, "Width of the pictures in px, 4:3")
+      ->check(CLI::Range(160, 1280));
+  command->add_option("--fps", request->fps, "Frames a second")->check(CLI::Range(1.0, 60.0));
+  command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
+  command->add_option("--out", request->out, "Also write all figures as JSON");
+  command->callback([request, &job] {
+    job = [request]() -> Result<void> {
+      const Result<std::string> table = bench_scale(*request);
+      if (!table) return table.error();
+      fmt::print("{}", *table);
+      return {};
+    };
+  });
+}
+
+void add_paper_bench(CLI::App& parent, Job& job) {
+  auto request = std::make_shared<PaperRequest>();
+  auto* command = parent.add_subcommand(
+      "paper",
+      "The article's tables and figures with ours beside them, from TUM's and Bonn's data");
+  command->add_option("data", request->data, "Folder below which the sequences lie")->required();
+  command
+      ->add_option("--out", request->out, "Folder for runs and pages; a second call goes on there")
+      ->capture_default_str();
+  command->add_option("--runs", request->runs, "Runs of each variant on each sequence")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  const auto names = choices_of(Variant{});
+  command->add_option("--variants", request->variants, "Which variants (default: all)")
+      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
+  command->add_option("--detector", request->detector,
+                      "Detector file; none; recorded: boxes beside each sequence (default: the "
+                      "network of the program)");
+  command->add_option("--detector-set", request->detector_set, "Set one detector option: key=value")
+      ->allow_extra_args(false);
+  command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
+  command
+      ->add_option("--own", request->own,
+                   "NAME=FOLDER: a recording of your own; the article has linear and annular")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--systems", request->systems,
+                   "Trajectories of other systems: SYSTEM/SEQUENCE.txt below this folder, TUM's "
+                   "format")
+      ->check(CLI::ExistingDirectory);
+  command->add_flag("--realtime", request->realtime, "At the camera's pace");
+  command->add_flag("--fresh", request->fresh, "Make runs again that are there");
+  command->add_flag("--plan", request->plan,
+                    "Only name the runs: SEQUENCE VARIANT NUMBER, and there or missing");
+  command
+      ->add_option("--one", request->one,
+                   "Only make this run, SEQUENCE VARIANT NUMBER, and write no pages")
+      ->expected(3);
+  command->add_flag("--gather", request->gather, "Make no run, write the pages of those there");
+  command->callback([request, &job] {
+    job = [request]() -> Result<void> {
+      const Result<std::string> said = bench_paper(*request);
+      if (!said) return said.error();
+      fmt::print("{}", *said);
+      return {};
+    };
+  });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& app, Job& job) {
@@ -106,7 +188,9 @@ void add_bench_command(CLI::App& app, Job& job) {
       "  ydd-slam bench dynamics samples/office_crowd\n"
       "  ydd-slam bench detection samples/office_crowd --runs 3\n"
       "  ydd-slam bench speed rgbd_dataset_freiburg1_xyz --against loop.enabled=false\n"
-      "  ydd-slam bench loops --seeds 20");
+      "  ydd-slam bench loops --seeds 20\n"
+      "  ydd-slam bench scale --keyframes 1000,10000\n"
+      "  ydd-slam bench paper datasets --out paper");
   add_bench(*command, job, "ablation",
             "ATE and RPE of the variants off, box, person, full, evidence", &bench_ablation, true);
   add_bench(*command, job, "dynamics", "Recall and precision of rejected points per variant",
@@ -129,8 +213,10 @@ void add_bench_command(CLI::App& app, Job& job) {
   add_seed_bench(*command, job, "tracks",
                  "Simulated people: how well their tracks tell where they are and go",
                  &bench_tracks);
+  add_paper_bench(*command, job);
   add_seed_bench(*command, job, "walk", "One long simulated walk: time, memory and map size",
                  &bench_walk);
+  add_scale_bench(*command, job);
 }
 
 }  // namespace ydd::app

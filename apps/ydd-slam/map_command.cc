@@ -86,9 +86,10 @@ void add_export(CLI::App& parent, Job& job) {
 void add_merge(CLI::App& parent, Job& job) {
   auto request = std::make_shared<MapMergeRequest>();
   auto* command = parent.add_subcommand(
-      "merge", "Put two map files into one, merged where they show the same place");
-  command->add_option("first", request->first, "Map file whose world stays")->required();
-  command->add_option("second", request->second, "Map file that is added")->required();
+      "merge", "Put map files into one, merged where they show the same place");
+  command->add_option("files", request->files, "Map files; the world of the first stays")
+      ->required()
+      ->expected(2, 1000);
   command->add_option("--out", request->out, "Map file to write")->required();
   command->add_flag("--replace-map", request->replace_map,
                     "Let it replace a map that holds more than the new one");
@@ -97,10 +98,58 @@ void add_merge(CLI::App& parent, Job& job) {
   command->callback([request, &job] { job = [request] { return map_merge(*request); }; });
 }
 
+void add_check(CLI::App& parent, Job& job) {
+  auto request = std::make_shared<MapCheckRequest>();
+  auto* command = parent.add_subcommand(
+      "check", "Look whether a map file is sound; repairs nothing, exit 1 if it is not");
+  command->add_option("file", request->file, "Map file")->required();
+  command->callback([request, &job] { job = [request] { return map_check(*request); }; });
+}
+
+void add_prune(CLI::App& parent, Job& job) {
+  auto request = std::make_shared<MapPruneRequest>();
+  auto* command = parent.add_subcommand("prune", "A map without what was never seen again");
+  command->add_option("file", request->file, "Map file")->required();
+  command->add_option("--out", request->out, "Map file to write")->required();
+  command
+      ->add_option("--min-keyframes", request->options.min_keyframes,
+                   "Maps with fewer keyframes go; the largest stays")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  command
+      ->add_option("--min-observations", request->options.min_observations,
+                   "Points that fewer keyframes see go")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  command
+      ->add_option("--min-points", request->options.min_points,
+                   "Keyframes that then see fewer points go")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
+  command->add_flag("--replace-map", request->replace_map,
+                    "Let it replace a map that holds more than the new one");
+  command->callback([request, &job] { job = [request] { return map_prune(*request); }; });
+}
+
+void add_split(CLI::App& parent, Job& job) {
+  auto request = std::make_shared<MapSplitRequest>();
+  auto* command = parent.add_subcommand("split", "Some maps of a file into a file of their own");
+  command->add_option("file", request->file, "Map file")->required();
+  command->add_option("--which", request->which, "Numbers of the maps ('map info' lists them)")
+      ->required()
+      ->delimiter(',')
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--out", request->out, "Map file to write")->required();
+  command->add_flag("--replace-map", request->replace_map,
+                    "Let it replace a map that holds more than the new one");
+  command->callback([request, &job] { job = [request] { return map_split(*request); }; });
+}
+
 }  // namespace
 
 void add_map_command(CLI::App& app, Job& job) {
-  auto* command = app.add_subcommand("map", "Look into map files, export and merge them");
+  auto* command =
+      app.add_subcommand("map", "Look into map files, export, merge, check, prune and split them");
   command->require_subcommand(1);
   command->footer(
       "Examples:\n"
@@ -110,11 +159,17 @@ void add_map_command(CLI::App& app, Job& job) {
       "  ydd-slam map export office.map --sparse points.ply --keyframes keyframes.tum\n"
       "  ydd-slam map export office.map --octomap office.bt\n"
       "  ydd-slam map export office.map --grid office.pgm --max-height 1.2\n"
-      "  ydd-slam map merge office.map corridor.map --out floor.map\n"
+      "  ydd-slam map merge office.map corridor.map kitchen.map --out floor.map\n"
+      "  ydd-slam map check floor.map\n"
+      "  ydd-slam map prune floor.map --out small.map\n"
+      "  ydd-slam map split floor.map --which 1 --out one.map\n"
       "docs/maps.md tells the rest.");
   add_info(*command, job);
   add_export(*command, job);
   add_merge(*command, job);
+  add_check(*command, job);
+  add_prune(*command, job);
+  add_split(*command, job);
 }
 
 }  // namespace ydd::app

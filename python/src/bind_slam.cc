@@ -106,7 +106,7 @@ void bind_run(SlamClass& slam) {
           "Map that the camera is in, as it is now; later frames do not change it")
       .def_property_readonly("loops", &Slam::loops, "how many loops were closed")
       .def_property_readonly("camera", &Slam::camera)
-      .def("__enter__", [](py::object self) { return self; })
+      .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](Slam& self, const py::object& type, const py::object&,
                           const py::object&) { self.finish(!type.is_none()); });
 }
@@ -127,6 +127,7 @@ void bind_slam(py::module_& module) {
            py::arg("localization_only") = false, py::arg("autosave") = py::none());
   bind_pictures(slam);
   bind_run(slam);
+  py::module_::import("atexit").attr("register")(py::cpp_function(&Slam::close_all));
 }
 
 }  // namespace ydd::python

@@ -37,6 +37,18 @@ auto without_gil(Work&& work) {
   return std::forward<Work>(work)();
 }
 
+/// Says by a flag, which the GIL guards, that something is at work.
+class Busy {
+ public:
+  explicit Busy(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Busy() { flag_ = false; }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  bool& flag_;
+};
+
 // One for each topic, in the order in which they need each other.
 void bind_camera(py::module_& module);
 void bind_detection(py::module_& module);

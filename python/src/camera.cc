@@ -8,7 +8,7 @@
 namespace ydd::python {
 namespace {
 
-py::array_t<double> matrix_K(const Camera& camera) {
+py::array_t<double> pinhole_of(const Camera& camera) {
   py::array_t<double> out({3, 3});
   auto K = out.mutable_unchecked<2>();
   for (int i = 0; i < 9; ++i) K(i / 3, i % 3) = i == 8 ? 1.0 : 0.0;
@@ -114,7 +114,7 @@ Depth images are registered to the colour image and of its size.
       .def_readwrite("fps", &Camera::fps)
       .def_readwrite("baseline_m", &Camera::baseline_m,
                      "of the virtual stereo pair that weighs depth against pixels")
-      .def_property_readonly("K", &matrix_K, "(3, 3) float64: the matrix of the pinhole, a copy")
+      .def_property_readonly("K", &pinhole_of, "(3, 3) float64: the matrix of the pinhole, a copy")
       .def_static(
           "load",
           [](const py::object& name) {

@@ -67,10 +67,8 @@ class LoadedDetector {
       : detector_(without_gil([&] { return value_of(make_detector(file)); })) {}
   Detections detect(const RgbdFrame& frame) {
     if (busy_) throw Failure("this detector is looking at a picture in another thread");
-    busy_ = true;  // under the GIL
-    auto found = without_gil([&] { return detector_->detect(frame); });
-    busy_ = false;
-    return value_of(std::move(found));
+    const Busy busy(busy_);
+    return value_of(without_gil([&] { return detector_->detect(frame); }));
   }
 
  private:

@@ -159,7 +159,7 @@ void bind_errors(py::module_& module) {
           "rmse_m", [](const AteResult& r) { return r.statistics_m.rmse; }, "metres")
       .def_property_readonly(
           "errors_m",
-          [](py::object self) {
+          [](const py::object& self) {
             const auto& errors = self.cast<const AteResult&>().errors_m;
             return view(errors.data(), {static_cast<py::ssize_t>(errors.size())}, {}, self);
           },
@@ -177,14 +177,14 @@ void bind_errors(py::module_& module) {
       .def_readonly("rotation_deg", &RpeResult::rotation_deg)
       .def_property_readonly(
           "translation_errors_m",
-          [](py::object self) {
+          [](const py::object& self) {
             const auto& errors = self.cast<const RpeResult&>().translation_errors_m;
             return view(errors.data(), {static_cast<py::ssize_t>(errors.size())}, {}, self);
           },
           "(P,) float64, metres, read-only")
       .def_property_readonly(
           "rotation_errors_deg",
-          [](py::object self) {
+          [](const py::object& self) {
             const auto& errors = self.cast<const RpeResult&>().rotation_errors_deg;
             return view(errors.data(), {static_cast<py::ssize_t>(errors.size())}, {}, self);
           },

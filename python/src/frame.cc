@@ -33,8 +33,8 @@ py::array_t<Value> column(const std::vector<Element>& elements, const Value* fir
     shape.push_back(width);
     strides.push_back(sizeof(Value));
   }
-  static const Value kNothing{};
-  return view(elements.empty() ? &kNothing : first, shape, strides, keeper_of(owner));
+  static const Value nothing{};
+  return view(elements.empty() ? &nothing : first, shape, strides, keeper_of(owner));
 }
 
 // x and y of a keypoint lie side by side: they are seen as one row of two.

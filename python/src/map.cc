@@ -95,8 +95,8 @@ py::tuple cloud_arrays(std::vector<CloudPoint> cloud) {
   const auto held = std::make_shared<const std::vector<CloudPoint>>(std::move(cloud));
   const py::capsule owner = keeper_of<std::vector<CloudPoint>>(held);
   const auto size = static_cast<py::ssize_t>(held->size());
-  static const CloudPoint kNothing{Eigen::Vector3f::Zero(), {}};
-  const CloudPoint& first = held->empty() ? kNothing : held->front();
+  static const CloudPoint nothing{Eigen::Vector3f::Zero(), {}};
+  const CloudPoint& first = held->empty() ? nothing : held->front();
   return py::make_tuple(
       view(first.p_world.data(), {size, 3}, {sizeof(CloudPoint), sizeof(float)}, owner),
       view(first.colour.data(), {size, 3}, {sizeof(CloudPoint), 1}, owner));

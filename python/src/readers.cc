@@ -95,7 +95,7 @@ py::array_t<std::int64_t> stamps_of(const OpenSequence& opened) {
 
 void bind_readers(py::module_& module) {
   py::class_<Frames>(module, "Frames", "The frames of a Sequence in order; see Sequence.frames().")
-      .def("__iter__", [](py::object self) { return self; })
+      .def("__iter__", [](const py::object& self) { return self; })
       .def("__next__", &Frames::next);
   py::class_<OpenSequence>(module, "Sequence",
                            R"(A recording: colour and depth in pairs. Made by open_sequence().

@@ -84,7 +84,7 @@ void bind_simulated_frame(py::module_& module) {
 void bind_simulation(py::module_& module) {
   bind_simulated_frame(module);
   py::class_<SimulatedFrames>(module, "SimulatedFrames", "The frames of a Simulation in order.")
-      .def("__iter__", [](py::object self) { return self; })
+      .def("__iter__", [](const py::object& self) { return self; })
       .def("__next__", [](SimulatedFrames& frames) {
         if (frames.next >= frames.simulation.simulator().frame_count()) throw py::stop_iteration();
         return frames.simulation.at(frames.next++);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slam.h"
 
+#include <set>
 #include <utility>
 
 #include <pybind11/eigen.h>
@@ -15,6 +16,12 @@
 
 namespace ydd::python {
 namespace {
+
+/// All that there are; under the GIL.
+std::set<Slam*>& live() {
+  static std::set<Slam*> all;
+  return all;
+}
 
 using DetectorMaker = std::function<Result<std::unique_ptr<Detector>>()>;
 
@@ -84,11 +91,24 @@ Slam::Slam(const Wish& wish) {
     return std::make_unique<RobotSlam>(value_of(RobotSlam::make(std::move(setup), map)));
   });
   slam_->set_localization_only(wish.localization_only);
+  camera_ = slam_->setup().camera;
+  live().insert(this);
 }
 
 Slam::~Slam() {
+  live().erase(this);
+  close();
+}
+
+void Slam::close() {
   const py::gil_scoped_release release;  // its detector may wait for the GIL
   slam_.reset();
+}
+
+void Slam::close_all() {
+  for (Slam* const slam : std::set<Slam*>(live())) {
+    if (!slam->busy_) slam->close();
+  }
 }
 
 void Slam::fail(const Error& error) const {
@@ -107,8 +127,7 @@ void Slam::fail(const Error& error) const {
 std::shared_ptr<RobotFrame> Slam::process(const RgbdFrame& frame, const py::object& detections,
                                           const py::object& masks) {
   if (finished_) throw Failure("this Slam has finished: reset() starts anew");
-  const Camera& camera = slam_->setup().camera;
-  if (frame.grey.width() != camera.width_px || frame.grey.height() != camera.height_px) {
+  if (frame.grey.width() != camera_.width_px || frame.grey.height() != camera_.height_px) {
     throw Failure("the frame is not of the camera's size");
   }
   std::optional<Detections> given;
@@ -150,6 +169,10 @@ void Slam::save(const std::filesystem::path& file) {
 void Slam::load(const std::filesystem::path& file) {
   value_of(once([&] { return slam_->load_map(file); }));
   finished_ = false;
+}
+
+bool Slam::localization_only() {
+  return once([&] { return slam_->localization_only(); });
 }
 
 void Slam::set_localization_only(bool on) {

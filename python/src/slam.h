@@ -25,6 +25,9 @@ class Slam {
   };
   explicit Slam(const Wish& wish);
   ~Slam();
+  /// Ends the threads of every Slam that there still is: before the interpreter goes, without which
+  /// a detector in Python cannot return.
+  static void close_all();
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
@@ -37,21 +40,23 @@ class Slam {
   void save(const std::filesystem::path& file);
   void load(const std::filesystem::path& file);
   void set_localization_only(bool on);
-  bool localization_only() const { return slam_->localization_only(); }
+  bool localization_only();
 
   Trajectory trajectory();
   Trajectory keyframe_trajectory();
   Map map();
   int loops();
-  const Camera& camera() const { return slam_->setup().camera; }
+  const Camera& camera() const { return camera_; }
 
  private:
   /// `work`, without the GIL, unless something else is being worked on.
   template <class Work>
   auto once(Work&& work) -> decltype(work());
   [[noreturn]] void fail(const Error& error) const;
+  void close();
 
-  std::unique_ptr<RobotSlam> slam_;
+  Camera camera_;
+  std::unique_ptr<RobotSlam> slam_;   ///< null: closed
   std::shared_ptr<PythonLook> look_;  ///< a detector in Python; null: none
   bool busy_ = false;                 ///< under the GIL
   bool finished_ = false;
@@ -59,14 +64,8 @@ class Slam {
 
 template <class Work>
 auto Slam::once(Work&& work) -> decltype(work()) {
+  if (!slam_) throw Failure("this Slam is closed: Python ends");
   if (busy_) throw Failure("this Slam is at work in another thread: one call at a time");
-  struct Busy {
-    explicit Busy(bool& flag) : flag_(flag) { flag_ = true; }
-    ~Busy() { flag_ = false; }
-    Busy(const Busy&) = delete;
-    Busy& operator=(const Busy&) = delete;
-    bool& flag_;
-  };
   const Busy busy(busy_);
   return without_gil(std::forward<Work>(work));
 }

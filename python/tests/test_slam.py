@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Slam and what it gives."""
 import gc
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +12,7 @@ import pytest
 import ydd_slam
 from ydd_slam import Detection, Error, RgbdFrame, Slam
 
+SAMPLE = Path(__file__).resolve().parents[2] / "samples" / "office_crowd"
 OFF = {"deterministic": True, "dynamics.variant": "off"}
 FULL = {"deterministic": True, "dynamics.variant": "full"}
 
@@ -235,3 +239,19 @@ def test_motion_sensors_are_taken(sample):
     with pytest.raises(Error, match="T_odom_base: must be a rigid motion"):
         slam.add_odometry(int(sample.stamps_ns[0]), np.full((4, 4), 2.0))
     assert slam.process(sample[0]).state == "tracking"
+
+
+@pytest.mark.parametrize("mode", ["every-frame", "asynchronous"])
+def test_python_may_end_while_a_detector_looks(mode):
+    code = f"""
+import time, ydd_slam
+sequence = ydd_slam.open_sequence({str(SAMPLE)!r}, max_frames=4)
+def look(frame):
+    time.sleep(0.2)
+    return []
+slam = ydd_slam.Slam(sequence.camera, {{"detect.mode": {mode!r}}}, detector=look)
+print(*[slam.process(picture).state for picture in sequence])
+look.never_collected = slam
+"""
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.split() == ["tracking"] * 4 and told.stderr == ""

@@ -11,8 +11,6 @@
 #include "ydd/cloud/ply.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/map_files/map_file.h"
-#include "ydd/system/merge_maps.h"
-#include "ydd/system/system_options.h"
 
 namespace ydd::app {
 namespace {
@@ -70,20 +68,6 @@ Result<void> export_grid(const Atlas& atlas, MapId map, const MapExportRequest& 
   return write_file_atomically(yaml, format_map_yaml(*grid, picture.filename().string()));
 }
 
-/// Options of back end and loops as `run` would have them.
-Result<SystemOptions> merge_options(const MapMergeRequest& request) {
-  SystemOptions options;
-  OptionTable table;
-  options.describe(table);
-  if (!request.config.empty()) {
-    if (auto r = table.load_yaml(request.config); !r) return r.error();
-  }
-  for (const std::string& assignment : request.set) {
-    if (auto r = table.set_assignment(assignment, "--set"); !r) return r.error();
-  }
-  return options;
-}
-
 }  // namespace
 
 Result<void> map_export(const MapExportRequest& request) {
@@ -118,35 +102,6 @@ Result<void> map_export(const MapExportRequest& request) {
   }
   if (done) done = write(request.grid, [&] { return export_grid(*atlas, chosen->map, request); });
   return done;
-}
-
-Result<void> map_merge(const MapMergeRequest& request) {
-  const Result<SystemOptions> options = merge_options(request);
-  if (!options) return options.error();
-  const Result<Atlas> first = load_map(request.first);
-  if (!first) return first.error();
-  const Result<Atlas> second = load_map(request.second);
-  if (!second) return second.error();
-  const Result<MergedMaps> merged = merge_maps(*first, *second, options->mapping, options->loop);
-  if (!merged) {
-    return Error{
-        fmt::format("{} and {}: {}", request.first, request.second, merged.error().message)};
-  }
-  if (auto r = save_map(merged->atlas, request.out,
-                        request.replace_map ? Replacing::anything : Replacing::lesser);
-      !r)
-    return r;
-  for (const MapMerge& merge : merged->merges) {
-    fmt::print("merged map {} onto map {} ({} points agree)\n", merge.map.slot, merge.into.slot,
-               merge.points);
-  }
-  if (merged->separate > 0) {
-    fmt::print("no common place found for {} of the second file's maps: kept beside the others\n",
-               merged->separate);
-  }
-  fmt::print("{}: {} keyframes, {} points\n", request.out, merged->atlas.keyframes().size(),
-             merged->atlas.points().size());
-  return {};
 }
 
 }  // namespace ydd::app

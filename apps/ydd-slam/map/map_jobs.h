@@ -7,6 +7,7 @@
 #include "ydd/base/result.h"
 #include "ydd/cloud/dense_cloud.h"
 #include "ydd/cloud/occupancy_grid.h"
+#include "ydd/map/keep_maps.h"
 
 namespace ydd::app {
 
@@ -25,8 +26,25 @@ struct MapExportRequest {
   int which = -1;  ///< negative: the map with most keyframes
 };
 
+struct MapCheckRequest {
+  std::string file;
+};
+
+struct MapPruneRequest {
+  std::string file, out;
+  PruneOptions options;
+  bool replace_map = false;  ///< at `out`, even by a lesser map
+};
+
+struct MapSplitRequest {
+  std::string file, out;
+  std::vector<int> which;  ///< numbers of maps
+  bool replace_map = false;
+};
+
 struct MapMergeRequest {
-  std::string first, second, out, config;
+  std::vector<std::string> files;  ///< at least two; the world of the first stays
+  std::string out, config;
   std::vector<std::string> set;
   bool replace_map = false;  ///< at `out`, even by a lesser map
 };
@@ -34,6 +52,12 @@ struct MapMergeRequest {
 Result<void> map_info(const MapInfoRequest& request);
 Result<void> map_export(const MapExportRequest& request);
 Result<void> map_merge(const MapMergeRequest& request);
+/// Says whether a file is sound. Failure: it is not; all that is wrong has been told.
+Result<void> map_check(const MapCheckRequest& request);
+/// Writes a map without what was never seen again.
+Result<void> map_prune(const MapPruneRequest& request);
+/// Writes some of the maps of a file into another one.
+Result<void> map_split(const MapSplitRequest& request);
 
 /// Occupied and free space of one map into an OctoMap file. Failure also when this program was
 /// built without OctoMap.

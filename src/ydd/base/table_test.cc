@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/base/table.h"
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <random>
@@ -270,6 +271,84 @@ TEST(Table, PartsThatLeaveGapsOrOverlapGiveNothing) {
   EXPECT_FALSE(Numbers::restore({{{0, 1}, 5}, {{0, 2}, 6}}, {}).has_value());
   EXPECT_FALSE(Numbers::restore({{{0, 1}, 5}}, {{0, 1}}).has_value());
   EXPECT_FALSE(Numbers::restore({{{0, 0}, 5}}, {}).has_value());
+}
+
+/// The slots that a walk over the differences visits.
+std::vector<std::uint32_t> visited(const Animals& now, const Animals& before) {
+  std::vector<std::uint32_t> slots;
+  now.for_each_difference(before, [&](std::uint32_t first, std::uint32_t end) {
+    EXPECT_TRUE(slots.empty() || first > slots.back());
+    for (std::uint32_t slot = first; slot < end; ++slot) slots.push_back(slot);
+  });
+  return slots;
+}
+
+TEST(Table, DifferencesFromASnapshotAreVisitedAndLittleElse) {
+  Animals animals;
+  std::vector<AnimalId> ids;
+  for (int i = 0; i < 20000; ++i) ids.push_back(animals.insert(std::to_string(i)));
+  const Animals before = animals.snapshot();
+  EXPECT_TRUE(visited(animals, before).empty());
+  animals.edit(ids[5]) = "five";
+  animals.erase(ids[9000]);
+  const AnimalId late = animals.insert("late");  // takes slot 9000
+  for (int i = 0; i < 5000; ++i) animals.insert("more");
+  const std::vector<std::uint32_t> slots = visited(animals, before);
+  for (const std::uint32_t slot : {5U, 9000U, 20000U, 24999U}) {
+    EXPECT_TRUE(std::binary_search(slots.begin(), slots.end(), slot)) << slot;
+  }
+  EXPECT_LE(slots.size(), 5000U + 4U * 64U);
+  EXPECT_EQ(late.slot, 9000U);
+  EXPECT_EQ(visited(before, animals), slots);
+  const Animals after = animals.snapshot();
+  EXPECT_TRUE(visited(animals, after).empty());
+  EXPECT_EQ(visited(after, before), slots);
+}
+
+TEST(Table, ValuesOfSomeSlotsInOrder) {
+  Animals animals;
+  std::vector<AnimalId> ids;
+  for (int i = 0; i < 200; ++i) ids.push_back(animals.insert(std::to_string(i)));
+  animals.erase(ids[130]);
+  std::vector<std::string> seen;
+  animals.for_each_in(128, 192, [&](AnimalId id, const std::string& value) {
+    EXPECT_EQ(value, std::to_string(id.slot));
+    seen.push_back(value);
+  });
+  EXPECT_EQ(seen.size(), 63U);
+  animals.for_each_in(192, 256, [&](AnimalId, const std::string& value) { seen.push_back(value); });
+  EXPECT_EQ(seen.size(), 63U + 8U);
+}
+
+TEST(Table, ManySnapshotsOfManyBranchesStayAsTheyWere) {
+  std::mt19937 random(7);
+  Animals animals;
+  std::map<AnimalId, std::string> model;
+  std::vector<std::pair<Animals, std::map<AnimalId, std::string>>> kept;
+  for (int round = 0; round < 12; ++round) {
+    for (int i = 0; i < 1500; ++i) {
+      const std::string value = std::to_string(random());
+      if (model.empty() || random() % 3 != 0) {
+        model[animals.insert(value)] = value;
+      } else {
+        const auto at = std::next(model.begin(), random() % model.size());
+        if (random() % 2 == 0) {
+          animals.edit(at->first) = value;
+          at->second = value;
+        } else {
+          animals.erase(at->first);
+          model.erase(at);
+        }
+      }
+    }
+    kept.emplace_back(animals.snapshot(), model);
+  }
+  EXPECT_GT(animals.slots(), 4096U);
+  for (const auto& [table, expected] : kept) {
+    std::map<AnimalId, std::string> found;
+    table.for_each([&](AnimalId id, const std::string& value) { found[id] = value; });
+    EXPECT_EQ(found, expected);
+  }
 }
 
 }  // namespace

@@ -75,9 +75,6 @@ bool is_consistent(const Atlas& atlas, const LoopMatch& match, const LoopOptions
 /// again does not drift from its neighbour, however long the camera walks.
 /// (Dijkstra, "A note on two problems in connexion with graphs", 1959.)
 double path_length_m(const Atlas& atlas, KeyFrameId from, KeyFrameId to) {
-  std::map<KeyFrameId, std::vector<KeyFrameId>> children;
-  atlas.keyframes().for_each(
-      [&](KeyFrameId id, const KeyFrame& keyframe) { children[keyframe.parent].push_back(id); });
   using Reached = std::pair<double, KeyFrameId>;
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> front;
   std::map<KeyFrameId, double> best{{from, 0.0}};
@@ -101,7 +98,7 @@ double path_length_m(const Atlas& atlas, KeyFrameId from, KeyFrameId to) {
     };
     for (const Covisible& c : keyframe.covisible) step(c.keyframe);
     for (const KeyFrameId next : keyframe.loops) step(next);
-    for (const KeyFrameId next : children[id]) step(next);
+    for (const KeyFrameId next : keyframe.children) step(next);
     step(keyframe.parent);
   }
   return std::numeric_limits<double>::infinity();

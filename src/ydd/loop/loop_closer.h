@@ -26,11 +26,13 @@ struct LoopOptions {
   double max_turn_drift_rad = 0.1;
   double max_turn_drift_rad_per_m = 0.02;
   int essential_weight = 60;
+  int graph_nodes = 1000;
   RelocalizationOptions match;
   MatchLimits limits{};    ///< those of tracking, set by the system
   PoseOnlyOptions pose{};  ///< likewise
   PoseGraphOptions graph;
   bool full_bundle = true;
+  int bundle_keyframes = 600;
   BundleOptions bundle;
   void describe(OptionTable& table);
 };
@@ -58,13 +60,16 @@ std::optional<LoopMatch> find_loop(const Atlas& atlas, KeyFrameId current,
 
 /// Spreads the correction of a loop over the map: pose-graph optimisation over the essential graph
 /// (spanning tree, strong covisibility, earlier loops). If the match is in another map, the
-/// older of the two stays and the younger is moved onto it rigidly. Nothing if interrupted.
+/// older of the two stays and the younger is moved onto it rigidly. In a map of more than
+/// `graph_nodes` keyframes, groups that hang together in the spanning tree move as one, but for
+/// those at both ends of the loop: time grows with the map no more. Nothing if interrupted.
 /// Mur-Artal and Tardos, "ORB-SLAM2", IEEE T-RO 2017, section III-D.
 std::optional<Correction> correct_loop(const Atlas& atlas, const LoopMatch& match,
                                        const LoopOptions& options,
                                        const std::stop_token& stop = {});
 
-/// Bundle adjustment over the whole map that `member` belongs to. Nothing if interrupted.
+/// Bundle adjustment over the whole map that `member` belongs to; in a map of more than
+/// `bundle_keyframes` over so many around `member`, while the others stay. Nothing if interrupted.
 std::optional<Correction> full_bundle(const Atlas& atlas, KeyFrameId member,
                                       const LoopOptions& options, const std::stop_token& stop = {});
 

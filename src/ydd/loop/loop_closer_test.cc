@@ -2,6 +2,7 @@
 #include "ydd/loop/loop_closer.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -90,6 +91,59 @@ TEST(CorrectLoop, BringsTheDriftedKeyframeBack) {
             1e-9);
 }
 
+/// A long way out and round, in keyframes that see nothing, with drift that a loop takes out.
+struct LongWay {
+  Atlas atlas{Camera(), PyramidScales::make(8, 1.2)};
+  std::vector<KeyFrameId> ids;
+  LoopMatch match;
+};
+
+LongWay long_way(int keyframes) {
+  LongWay way;
+  const MapId map = way.atlas.new_map();
+  Vector6d step;
+  step << 0.2, 0, 0.01, 0, 2.0 * std::numbers::pi / keyframes, 0;
+  SE3 T_world_camera;
+  for (int i = 0; i < keyframes; ++i) {
+    KeyFrame keyframe;
+    keyframe.map = map;
+    keyframe.shared_features = std::make_shared<const Features>();
+    keyframe.T_world_camera = T_world_camera;
+    if (!way.ids.empty()) keyframe.parent = way.ids.back();
+    way.ids.push_back(way.atlas.add_keyframe(std::move(keyframe)));
+    T_world_camera = T_world_camera * SE3::exp(step);
+  }
+  Vector6d drift;
+  drift << 0.3, 0.1, -0.2, 0.01, 0.02, -0.01;
+  way.match = {way.ids.back(),
+               way.ids.front(),
+               way.atlas.at(way.ids.back()).T_world_camera * SE3::exp(drift),
+               {}};
+  return way;
+}
+
+TEST(CorrectLoop, InGroupsItSpreadsTheDriftAsKeyframeByKeyframe) {
+  const LongWay way = long_way(1200);
+  LoopOptions groups = quick_options();
+  groups.graph_nodes = 100;
+  const Correction exact = correct_loop(way.atlas, way.match, quick_options()).value();
+  const Correction coarse = correct_loop(way.atlas, way.match, groups).value();
+  ASSERT_EQ(coarse.T_world_keyframe.size(), way.ids.size());
+  double largest_m = 0, correction_m = 0;
+  for (const KeyFrameId id : way.ids) {
+    const SE3& fine = exact.T_world_keyframe.at(id);
+    largest_m =
+        std::max(largest_m, (fine.inverse() * coarse.T_world_keyframe.at(id)).translation().norm());
+    correction_m = std::max(
+        correction_m, (fine.inverse() * way.atlas.at(id).T_world_camera).translation().norm());
+  }
+  EXPECT_GT(correction_m, 0.3);
+  EXPECT_LT(largest_m, 0.05 * correction_m);
+  const SE3 gap =
+      way.match.T_world_current.inverse() * coarse.T_world_keyframe.at(way.match.current);
+  EXPECT_LT(gap.translation().norm(), 0.02);
+}
+
 TEST(CorrectLoop, AnotherMapIsMovedRigidlyOntoTheOlderOne) {
   const TwoVisits visits = two_visits(small_drift(), true, true);
   const auto match = find_loop(visits.atlas, visits.new_keyframes.back(), quick_options());
@@ -149,6 +203,23 @@ TEST(FullBundle, ReducesTheErrorOfAShakenMap) {
   const auto correction = full_bundle(visits.atlas, shaken, quick_options());
   ASSERT_TRUE(correction.has_value());
   EXPECT_EQ(correction->revision, visits.atlas.revision());
+  EXPECT_LT((truth.inverse() * correction->T_world_keyframe.at(shaken)).translation().norm(), 0.01);
+}
+
+TEST(FullBundle, OfALargeMapAdjustsWhatIsAroundTheLoop) {
+  TwoVisits visits = two_visits(SE3(), true);
+  Vector6d twist;
+  twist << 0.03, -0.02, 0.02, 0.005, 0.0, -0.004;
+  const KeyFrameId shaken = visits.old_keyframes[5];
+  const SE3 truth = visits.atlas.at(shaken).T_world_camera;
+  visits.atlas.set_pose(shaken, truth * SE3::exp(twist));
+  LoopOptions options = quick_options();
+  options.bundle_keyframes = 10;
+  const auto correction = full_bundle(visits.atlas, shaken, options);
+  ASSERT_TRUE(correction.has_value());
+  EXPECT_EQ(correction->newcomers_from, visits.atlas.next_serial());
+  EXPECT_LE(correction->T_world_keyframe.size(), 10U);
+  EXPECT_GE(correction->T_world_keyframe.size(), 9U);  // the one that holds it may be the first
   EXPECT_LT((truth.inverse() * correction->T_world_keyframe.at(shaken)).translation().norm(), 0.01);
 }
 

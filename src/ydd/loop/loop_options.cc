@@ -22,9 +22,13 @@ void LoopOptions::describe(OptionTable& t) {
         "... and how much more per metre on the way");
   t.add("essential_weight", essential_weight, {1, 1000}, "",
         "shared points from which two keyframes hold each other in the pose graph");
+  t.add("graph_nodes", graph_nodes, {10, 1000000}, "",
+        "with more keyframes in a map, groups of them move as one in the pose graph");
   t.group("match", match);
   t.group("graph", graph);
   t.add("full_bundle", full_bundle, "adjust the whole map after a loop");
+  t.add("bundle_keyframes", bundle_keyframes, {10, 1000000}, "keyframes",
+        "in a larger map, as many around the loop are adjusted and the others stay");
   t.group("bundle", bundle);
 }
 

@@ -26,6 +26,7 @@ Atlas::Atlas(const Atlas& other, Table<KeyFrame, KeyFrameTag> keyframes,
       keyframes_(std::move(keyframes)),
       points_(std::move(points)),
       culled_(other.culled_),
+      word_index_(other.word_index_),
       revision_(other.revision_),
       newest_(other.newest_),
       next_serial_(other.next_serial_),
@@ -46,8 +47,13 @@ KeyFrameId Atlas::add_keyframe(KeyFrame keyframe) {
   const std::vector<MapPointId> wanted = std::move(keyframe.points);
   keyframe.points.assign(keyframe.features().size(), MapPointId{});
   keyframe.covisible.clear();
-  const KeyFrameId id = keyframes_.insert(std::move(keyframe));
+  keyframe.children.clear();
+  const KeyFrameId parent = std::exchange(keyframe.parent, {});
+  WordIndex::Entry words{keyframe.serial, {}, keyframe.words};
+  const KeyFrameId id = words.keyframe = keyframes_.insert(std::move(keyframe));
+  if (words.words) word_index_.add(std::move(words));
   newest_ = id;
+  link_parent(id, parent);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (points_.contains(wanted[i])) add_observation(wanted[i], id, static_cast<int>(i));
   }
@@ -123,7 +129,7 @@ void Atlas::set_position(MapPointId point, const Eigen::Vector3d& p_world) {
 
 void Atlas::set_parent(KeyFrameId keyframe, KeyFrameId parent) {
   ++revision_;
-  keyframes_.edit(keyframe).parent = parent;
+  link_parent(keyframe, parent);
 }
 
 void Atlas::set_map(KeyFrameId keyframe, MapId map) {

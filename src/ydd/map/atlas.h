@@ -14,6 +14,7 @@
 #include "ydd/geometry/camera.h"
 #include "ydd/map/culled_keyframes.h"
 #include "ydd/map/map_types.h"
+#include "ydd/map/word_index.h"
 
 namespace ydd {
 
@@ -45,7 +46,8 @@ class Atlas {
   Atlas(const Camera& camera, const PyramidScales& scales);
 
   /// An atlas from its parts, down to the ids that it will give next. Lists of points per keyframe
-  /// are made from the observations; what they hold is ignored. Failure: the first thing that does
+  /// are made from the observations, those of children from the parents; what they hold is
+  /// ignored. Failure: the first thing that does
   /// not fit together, without a file name.
   static Result<Atlas> restore(AtlasParts parts);
 
@@ -108,6 +110,8 @@ class Atlas {
   MapId map_of(KeyFrameId id) const;
 
   const CulledKeyFrames& culled() const { return culled_; }
+  /// Every keyframe that has words.
+  const WordIndex& word_index() const { return word_index_; }
   /// What the next keyframe will be numbered.
   std::int64_t next_serial() const { return next_serial_; }
   /// How many maps have been named.
@@ -117,7 +121,6 @@ class Atlas {
   KeyFrameId newest_keyframe() const { return newest_; }
   /// Whether a keyframe is the one that started its map.
   bool is_first(KeyFrameId id) const;
-  std::vector<KeyFrameId> children(KeyFrameId id) const;
 
   /// An immutable copy; O(size / 64).
   std::shared_ptr<const Atlas> snapshot();
@@ -131,16 +134,19 @@ class Atlas {
   void unlink(MapPointId point, const Observation& observation);
   void connect(KeyFrameId from, KeyFrameId to, int weight);
   void drop_connections(KeyFrameId keyframe);
+  void link_parent(KeyFrameId keyframe, KeyFrameId parent);
   KeyFrameId best_new_parent(KeyFrameId child, const std::vector<KeyFrameId>& orphans) const;
   void adopt_children(KeyFrameId culled);
   KeyFrameId youngest() const;
-  bool has_root(KeyFrameId id) const;
+  void check_tree(std::vector<std::string>& faults) const;
+  void check_words(std::vector<std::string>& faults) const;
 
   Camera camera_;
   PyramidScales scales_;
   Table<KeyFrame, KeyFrameTag> keyframes_;
   Table<MapPoint, MapPointTag> points_;
   CulledKeyFrames culled_;
+  WordIndex word_index_;
   std::uint64_t revision_ = 0;
   KeyFrameId newest_;
   std::int64_t next_serial_ = 0;

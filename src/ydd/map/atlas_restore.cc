@@ -87,6 +87,15 @@ std::string first_fault(const Atlas& atlas) {
   return {};
 }
 
+/// Gives each keyframe its list of children.
+void link_children(Table<KeyFrame, KeyFrameTag>& keyframes) {
+  for (const KeyFrameId id : keyframes.ids()) keyframes.edit(id).children.clear();
+  for (const KeyFrameId id : keyframes.ids()) {
+    const KeyFrameId parent = keyframes.at(id).parent;
+    if (keyframes.contains(parent)) keyframes.edit(parent).children.push_back(id);
+  }
+}
+
 /// Gives each keyframe its list of points. Failure: two points on one keypoint.
 bool link_observations(Table<KeyFrame, KeyFrameTag>& keyframes,
                        const Table<MapPoint, MapPointTag>& points) {
@@ -124,6 +133,12 @@ Result<Atlas> Atlas::restore(AtlasParts parts) {
   if (!link_observations(atlas.keyframes_, atlas.points_)) {
     return Error{"a keypoint that shows two points"};
   }
+  link_children(atlas.keyframes_);
+  std::vector<WordIndex::Entry> words;
+  atlas.keyframes_.for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
+    if (keyframe.words) words.push_back({keyframe.serial, id, keyframe.words});
+  });
+  atlas.word_index_ = WordIndex(std::move(words));
   std::vector<std::string> faults = atlas.check_consistency();
   if (!faults.empty()) return Error{std::move(faults.front())};
   return atlas;

@@ -301,7 +301,7 @@ TEST(Atlas, ChildrenAreThoseThatNameTheParent) {
   BuiltMap built = small_map(3, 1);
   built.atlas.set_parent(built.keyframes[1], built.keyframes[0]);
   built.atlas.set_parent(built.keyframes[2], built.keyframes[0]);
-  EXPECT_THAT(built.atlas.children(built.keyframes[0]),
+  EXPECT_THAT(built.atlas.at(built.keyframes[0]).children,
               testing::ElementsAre(built.keyframes[1], built.keyframes[2]));
   EXPECT_TRUE(built.atlas.is_first(built.keyframes[0]));
   EXPECT_FALSE(built.atlas.is_first(built.keyframes[1]));

@@ -17,7 +17,10 @@ struct Correction {
     KeyFrameId current;  ///< keyframe whose surroundings are to be fused ...
     KeyFrameId matched;  ///< ... with the surroundings of this one
   };
-  std::uint64_t revision = 0;                     ///< of the snapshot that it was computed on
+  std::uint64_t revision = 0;  ///< of the snapshot that it was computed on
+  /// Serial from which on keyframes are newer than the snapshot: they go along with their parent.
+  /// Older ones that are not named stay where they are.
+  std::int64_t newcomers_from = 0;
   std::map<KeyFrameId, SE3> T_world_keyframe;     ///< new poses
   std::map<MapPointId, Eigen::Vector3d> p_world;  ///< new positions; others follow a keyframe
   std::optional<Junction> junction;               ///< of a loop or merge

@@ -64,11 +64,9 @@ void Atlas::refresh_covisibility(KeyFrameId id, int min_weight) {
   if (list.size() > 1) list.resize(std::max<std::size_t>(keep, 1));
   drop_connections(id);
   for (const Covisible& c : list) connect(c.keyframe, id, c.weight);
-  KeyFrame& keyframe = keyframes_.edit(id);
-  keyframe.covisible = std::move(list);
-  if (!keyframe.parent.valid() && !is_first(id) && !keyframe.covisible.empty()) {
-    keyframe.parent = keyframe.covisible.front().keyframe;
-  }
+  const KeyFrameId strongest = list.empty() ? KeyFrameId{} : list.front().keyframe;
+  keyframes_.edit(id).covisible = std::move(list);
+  if (!at(id).parent.valid() && !is_first(id)) link_parent(id, strongest);
 }
 
 bool Atlas::is_first(KeyFrameId id) const {
@@ -81,12 +79,14 @@ bool Atlas::is_first(KeyFrameId id) const {
   return first;
 }
 
-std::vector<KeyFrameId> Atlas::children(KeyFrameId id) const {
-  std::vector<KeyFrameId> out;
-  keyframes_.for_each([&](KeyFrameId child, const KeyFrame& keyframe) {
-    if (keyframe.parent == id) out.push_back(child);
-  });
-  return out;
+void Atlas::link_parent(KeyFrameId id, KeyFrameId parent) {
+  const KeyFrameId before = at(id).parent;
+  if (before == parent) return;
+  if (find(before)) std::erase(keyframes_.edit(before).children, id);
+  keyframes_.edit(id).parent = parent;
+  if (!find(parent)) return;
+  std::vector<KeyFrameId>& children = keyframes_.edit(parent).children;
+  children.insert(std::upper_bound(children.begin(), children.end(), id), id);
 }
 
 KeyFrameId Atlas::best_new_parent(KeyFrameId child, const std::vector<KeyFrameId>& orphans) const {
@@ -106,21 +106,21 @@ KeyFrameId Atlas::best_new_parent(KeyFrameId child, const std::vector<KeyFrameId
 
 void Atlas::adopt_children(KeyFrameId culled) {
   const KeyFrameId grandparent = at(culled).parent;
-  std::vector<KeyFrameId> orphans = children(culled);
-  for (const KeyFrameId child : orphans) keyframes_.edit(child).parent = {};
+  std::vector<KeyFrameId> orphans = at(culled).children;
+  for (const KeyFrameId child : orphans) link_parent(child, {});
   bool progress = true;
   while (progress && !orphans.empty()) {
     progress = false;
     for (std::size_t i = 0; i < orphans.size(); ++i) {
       const KeyFrameId parent = best_new_parent(orphans[i], orphans);
       if (!parent.valid()) continue;
-      keyframes_.edit(orphans[i]).parent = parent;
+      link_parent(orphans[i], parent);
       orphans.erase(orphans.begin() + static_cast<std::ptrdiff_t>(i));
       progress = true;
       break;
     }
   }
-  for (const KeyFrameId child : orphans) keyframes_.edit(child).parent = grandparent;
+  for (const KeyFrameId child : orphans) link_parent(child, grandparent);
 }
 
 void Atlas::cull_keyframe(KeyFrameId id) {
@@ -135,6 +135,8 @@ void Atlas::cull_keyframe(KeyFrameId id) {
   const KeyFrame& keyframe = at(id);
   culled_.add(id, {keyframe.parent,
                    at(keyframe.parent).T_world_camera.inverse() * keyframe.T_world_camera});
+  if (keyframe.words) word_index_.remove(keyframe.serial, id);
+  link_parent(id, {});
   keyframes_.erase(id);
   if (id == newest_) newest_ = youngest();
 }
@@ -143,7 +145,7 @@ void Atlas::reroot(KeyFrameId root, KeyFrameId parent) {
   ++revision_;
   for (KeyFrameId id = root; id.valid();) {
     const KeyFrameId above = at(id).parent;
-    keyframes_.edit(id).parent = parent;
+    link_parent(id, parent);
     parent = id;
     id = above;
   }
@@ -160,12 +162,49 @@ KeyFrameId Atlas::youngest() const {
   return youngest;
 }
 
-bool Atlas::has_root(KeyFrameId id) const {
-  std::size_t steps = 0;
-  for (const KeyFrame* k = find(id); k && k->parent.valid(); k = find(k->parent)) {
-    if (++steps > keyframes_.size()) return false;
-  }
-  return true;
+void Atlas::check_tree(std::vector<std::string>& faults) const {
+  enum class Walk : std::uint8_t { unknown, under_way, done };
+  std::vector<Walk> walks(keyframes_.slots(), Walk::unknown);
+  std::size_t linked = 0, with_parent = 0;
+  keyframes_.for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
+    if (!keyframe.parent.valid() ? !is_first(id) : !find(keyframe.parent)) {
+      faults.push_back(fmt::format("keyframe {}: no parent", id.slot));
+    }
+    const auto& children = keyframe.children;
+    const bool mutual = std::all_of(children.begin(), children.end(), [&](KeyFrameId child) {
+      return find(child) && at(child).parent == id;
+    });
+    linked += children.size();
+    if (!mutual || !std::is_sorted(children.begin(), children.end())) {
+      faults.push_back(fmt::format("keyframe {}: children of another parent", id.slot));
+    }
+    with_parent += find(keyframe.parent) ? 1 : 0;
+    // Up to what is known already: every keyframe is walked over once.
+    std::vector<KeyFrameId> way;
+    while (find(id) && walks[id.slot] == Walk::unknown) {
+      walks[id.slot] = Walk::under_way;
+      way.push_back(id);
+      id = at(id).parent;
+    }
+    if (find(id) && walks[id.slot] == Walk::under_way) {
+      faults.push_back(fmt::format("keyframe {}: ring of parents", id.slot));
+    }
+    for (const KeyFrameId walked : way) walks[walked.slot] = Walk::done;
+  });
+  if (linked != with_parent) faults.emplace_back("a keyframe that its parent does not know");
+}
+
+void Atlas::check_words(std::vector<std::string>& faults) const {
+  std::size_t with_words = 0;
+  keyframes_.for_each([&](KeyFrameId, const KeyFrame& k) { with_words += k.words ? 1 : 0; });
+  const std::vector<WordIndex::Entry> entries = word_index_.entries();
+  const bool all =
+      with_words == entries.size() && word_index_.size() == entries.size() &&
+      std::all_of(entries.begin(), entries.end(), [&](const auto& entry) {
+        const KeyFrame* keyframe = find(entry.keyframe);
+        return keyframe && keyframe->words == entry.words && keyframe->serial == entry.serial;
+      });
+  if (!all) faults.emplace_back("the index of words is not of these keyframes");
 }
 
 std::vector<std::string> Atlas::check_consistency() const {
@@ -193,10 +232,6 @@ std::vector<std::string> Atlas::check_consistency() const {
         faults.push_back(fmt::format("keyframe {}: keypoint {} without link back", id.slot, i));
       }
     }
-    if (!keyframe.parent.valid() ? !is_first(id) : !find(keyframe.parent)) {
-      faults.push_back(fmt::format("keyframe {}: no parent", id.slot));
-    }
-    if (!has_root(id)) faults.push_back(fmt::format("keyframe {}: ring of parents", id.slot));
     for (const Covisible& c : keyframe.covisible) {
       const KeyFrame* other = find(c.keyframe);
       const Covisible back{id, c.weight};
@@ -206,6 +241,8 @@ std::vector<std::string> Atlas::check_consistency() const {
       }
     }
   });
+  check_tree(faults);
+  check_words(faults);
   return faults;
 }
 

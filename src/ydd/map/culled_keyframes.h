@@ -48,6 +48,19 @@ class CulledKeyFrames {
     }
   }
 
+  /// Calls `visit(id, culled)` for those that may differ from `before`, an earlier or later copy or
+  /// another one; all that differ or that `before` does not have are visited, in the order of the
+  /// ids. Costs as much as differs, and O(slots / 64).
+  template <class Visit>
+  void for_each_difference(const CulledKeyFrames& before, Visit&& visit) const {
+    for (std::size_t at = 0; at < chunks_.size(); ++at) {
+      if (!chunks_[at] || (at < before.chunks_.size() && chunks_[at] == before.chunks_[at])) {
+        continue;
+      }
+      for (const auto& [id, culled] : *chunks_[at]) visit(id, culled);
+    }
+  }
+
  private:
   static constexpr std::uint32_t kChunk = 64;
   using Chunk = std::map<KeyFrameId, CulledKeyFrame>;

@@ -40,5 +40,24 @@ TEST(CulledKeyFrames, AreVisitedInTheOrderOfTheirIds) {
   EXPECT_THAT(slots, testing::ElementsAre(2, 64, 65, 300));
 }
 
+TEST(CulledKeyFrames, DifferencesFromACopyAreVisitedAndLittleElse) {
+  CulledKeyFrames culled;
+  for (std::uint32_t slot = 0; slot < 300; slot += 3) culled.add({slot, 1}, below(slot + 1));
+  const CulledKeyFrames before = culled;
+  culled.add({3, 2}, below(77));
+  culled.add({1000, 1}, below(78));
+  const auto different = [](const CulledKeyFrames& now, const CulledKeyFrames& then) {
+    std::vector<KeyFrameId> ids;
+    now.for_each_difference(then, [&](KeyFrameId id, const CulledKeyFrame&) { ids.push_back(id); });
+    return ids;
+  };
+  const std::vector<KeyFrameId> ids = different(culled, before);
+  EXPECT_THAT(ids, testing::IsSupersetOf({KeyFrameId{3, 2}, KeyFrameId{1000, 1}}));
+  EXPECT_LT(ids.size(), 30U);
+  EXPECT_THAT(different(before, culled), testing::Not(testing::Contains(KeyFrameId{3, 2})));
+  EXPECT_TRUE(different(culled, culled).empty());
+  EXPECT_EQ(different(culled, CulledKeyFrames()).size(), culled.size());
+}
+
 }  // namespace
 }  // namespace ydd

@@ -65,6 +65,7 @@ struct KeyFrame {
   std::shared_ptr<const KeypointGrid> grid;         ///< over the features
   std::vector<MapPointId> points;                   ///< per keypoint; empty id: none
   KeyFrameId parent;                 ///< in the spanning tree; empty for a map's first
+  std::vector<KeyFrameId> children;  ///< those whose parent it is, in the order of their ids
   std::vector<Covisible> covisible;  ///< heaviest first; ties by serial
 
   std::vector<KeyFrameId> loops;                   ///< keyframes it closed a loop with

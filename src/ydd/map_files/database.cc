@@ -170,10 +170,21 @@ std::int64_t Database::number(const std::string& sql) {
 }
 
 std::string Database::text(const std::string& sql) {
+  std::vector<std::string> all = texts(sql);
+  if (all.empty()) throw Fault("no answer");
+  return std::move(all.front());
+}
+
+std::vector<std::string> Database::texts(const std::string& sql) {
   const Statement statement = prepare(sql);
-  if (sqlite3_step(statement.get()) != SQLITE_ROW) fail();
-  const auto* const text = sqlite3_column_text(statement.get(), 0);
-  return text ? reinterpret_cast<const char*>(text) : "";
+  std::vector<std::string> out;
+  int stepped = sqlite3_step(statement.get());
+  for (; stepped == SQLITE_ROW; stepped = sqlite3_step(statement.get())) {
+    const auto* const text = sqlite3_column_text(statement.get(), 0);
+    out.emplace_back(text ? reinterpret_cast<const char*>(text) : "");
+  }
+  if (stepped != SQLITE_DONE) fail();
+  return out;
 }
 
 namespace {
@@ -234,6 +245,16 @@ void Database::erase(const TableShape& table, std::int64_t key) {
 
 void Database::for_each(const TableShape& table,
                         const std::function<void(const Row&, std::uint64_t)>& visit) {
+  for_each_unchecked(table, [&](const Row& row, std::uint64_t stored) {
+    if (checksum_of(table, row) != stored) {
+      throw Fault(fmt::format("table {}, row {}: checksum does not match", table.name, row.key));
+    }
+    visit(row, stored);
+  });
+}
+
+void Database::for_each_unchecked(const TableShape& table,
+                                  const std::function<void(const Row&, std::uint64_t)>& visit) {
   std::string sql = "SELECT key";
   for (const char* const column : table.columns) sql += fmt::format(", {}", column);
   const Statement statement =
@@ -244,9 +265,6 @@ void Database::for_each(const TableShape& table,
     const Row row = row_of(*statement, columns);
     const auto stored =
         static_cast<std::uint64_t>(sqlite3_column_int64(statement.get(), columns + 1));
-    if (checksum_of(table, row) != stored) {
-      throw Fault(fmt::format("table {}, row {}: checksum does not match", table.name, row.key));
-    }
     visit(row, stored);
   }
   if (stepped != SQLITE_DONE) fail();

@@ -8,6 +8,7 @@
 #include "ydd/map_files/map_bytes.h"
 #include "ydd/map_files/map_file.h"
 #include "ydd/map_files/map_header.h"
+#include "ydd/map_files/map_rows.h"
 #include "ydd/map_files/map_schema.h"
 
 namespace ydd {
@@ -34,7 +35,7 @@ class Reader {
   template <class Visit>
   void rows(const map_format::TableShape& table, Visit&& visit) {
     database_.for_each(table, [&](const Row& row, std::uint64_t checksum) {
-      digest_ += checksum;
+      held_.put(table, row.key, checksum);
       visit(row);
     });
   }
@@ -48,11 +49,11 @@ class Reader {
     if (rows.empty()) throw Fault("it does not say what is inside");
     return std::move(rows.front());
   }
-  std::uint64_t digest() const { return digest_; }
+  const map_format::HeldRows& held() const { return held_; }
 
  private:
   Database database_;
-  std::uint64_t digest_ = 0;
+  map_format::HeldRows held_;
 };
 
 std::uint32_t slot_of(const Row& row) {
@@ -145,10 +146,12 @@ void read_points(Reader& reader, AtlasParts& parts) {
               [&](const Row& row) { map_format::decode_points(row.bytes(0), parts.points); });
 }
 
-Atlas read_atlas(const std::filesystem::path& file) {
-  map_format::check_header(file);
+}  // namespace
+
+std::pair<Atlas, map_format::HeldRows> map_format::read_rows(const std::filesystem::path& file) {
+  check_header(file);
   try {
-    map_format::recover(file);
+    recover(file);
     Reader reader(file);
     AtlasParts parts;
     const Totals totals = read_atlas_row(reader.atlas_row(), parts);
@@ -157,23 +160,21 @@ Atlas read_atlas(const std::filesystem::path& file) {
     read_pictures(reader, parts);
     read_culled(reader, parts);
     read_points(reader, parts);
-    if (reader.digest() != totals.digest || parts.keyframes.size() != totals.keyframes ||
+    if (reader.held().digest() != totals.digest || parts.keyframes.size() != totals.keyframes ||
         parts.points.size() != totals.points) {
       throw Fault("rows of it are missing, or not of one save");
     }
     Result<Atlas> atlas = Atlas::restore(std::move(parts));
     if (!atlas) throw Fault(atlas.error().message);
-    return std::move(*atlas);
+    return {std::move(*atlas), reader.held()};
   } catch (const Fault& fault) {
     throw Fault(fmt::format("is damaged ({}); go back to a copy of it", fault.what()));
   }
 }
 
-}  // namespace
-
 Result<Atlas> load_map(const std::filesystem::path& file) {
   try {
-    return read_atlas(file);
+    return map_format::read_rows(file).first;
   } catch (const std::exception& fault) {  // also what the file system has to say
     return Error{fmt::format("{}: {}", file.string(), fault.what())};
   }

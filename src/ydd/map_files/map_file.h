@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "ydd/base/result.h"
 #include "ydd/map/atlas.h"
@@ -20,6 +22,17 @@ namespace ydd {
 /// rolled back by what SQLite left beside it.
 Result<Atlas> load_map(const std::filesystem::path& file);
 
+/// What a look at a map file found.
+struct MapCheck {
+  std::size_t keyframes = 0, points = 0, maps = 0;  ///< of a sound one
+  std::vector<std::string> faults;                  ///< a line each, without the name; none: sound
+};
+
+/// Looks at everything: header, pages of the database, tables, the checksum of every row, their
+/// sum, and whether the atlas fits together (the first thing that does not, and only where all rows
+/// are right). Repairs nothing.
+MapCheck check_map(const std::filesystem::path& file);
+
 /// What a save did.
 struct MapSave {
   bool whole = false;     ///< a new file that replaced the old one; else changed rows only
@@ -34,11 +47,13 @@ enum class Replacing {
 
 /// Saves an atlas again and again to one file.
 ///
-/// The first save writes a new file beside it and renames it; later ones change the rows that have
-/// changed, in one transaction. Whatever is killed, the file holds one complete save. A map is
-/// never replaced by a lesser one (fewer keyframes or points; of a map that it goes on from, fewer
-/// than half) in silence: FILE.previous is the one before until the new one holds as much.
-/// Thread: one call at a time. While it lives, the file is claimed: a second writer is refused.
+/// A first save that does not go on from the map in the file writes a new file beside it and
+/// renames it. One that does (each keyframe of the file is in the map, or was culled from it) and
+/// all later ones change the rows that have changed, in one transaction. Whatever is killed, the
+/// file holds one complete save. A map is never replaced by a lesser one (fewer keyframes or
+/// points; of a map that it goes on from, fewer than half) in silence: FILE.previous is the one
+/// before until the new one holds as much. Thread: one call at a time. While it lives, the file is
+/// claimed: a second writer is refused.
 class MapWriter {
  public:
   /// Does not write yet. Failure: what is there is no map file, is damaged, is from a newer
@@ -46,7 +61,10 @@ class MapWriter {
   static Result<MapWriter> open(const std::filesystem::path& file,
                                 Replacing replacing = Replacing::lesser);
 
-  /// After a failure the file holds what it held before.
+  /// After a failure the file holds what it held before. Costs as much as has changed since the
+  /// snapshot that was saved before, and keeps this one; the first save looks at all of it.
+  Result<MapSave> save(const std::shared_ptr<const Atlas>& atlas);
+  /// The same for a map that goes on changing: looks at all of it.
   Result<MapSave> save(const Atlas& atlas);
 
   const std::filesystem::path& file() const { return file_; }
@@ -58,8 +76,9 @@ class MapWriter {
  private:
   struct State;
   MapWriter(std::filesystem::path file, std::unique_ptr<State> state);
+  Result<MapSave> save_after(const Atlas& atlas, std::shared_ptr<const Atlas> before);
   MapSave save_whole(const Atlas& atlas, bool lesser);
-  MapSave save_changes(const Atlas& atlas);
+  MapSave save_changes(const Atlas& atlas, const Atlas* before);
 
   std::filesystem::path file_;
   std::unique_ptr<State> state_;

@@ -2,22 +2,20 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "ydd/base/file_lock.h"
 #include "ydd/base/files.h"
 #include "ydd/base/log.h"
-#include "ydd/base/version.h"
-#include "ydd/map_files/map_blobs.h"
 #include "ydd/map_files/map_bytes.h"
 #include "ydd/map_files/map_file.h"
 #include "ydd/map_files/map_header.h"
-#include "ydd/map_files/map_schema.h"
+#include "ydd/map_files/map_rows.h"
 
 namespace ydd {
 namespace {
@@ -25,155 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using map_format::Database;
 using map_format::Fault;
-using map_format::Row;
-using map_format::TableShape;
-
-/// What the file holds: the checksum of each row by its key, and the immutable value it was made of
-/// (kept, so that no other value can come to lie at its address).
-struct WrittenRow {
-  std::uint64_t checksum = 0;
-  std::shared_ptr<const void> source;
-};
-using Written = std::map<const TableShape*, std::map<std::int64_t, WrittenRow>>;
-
-/// Puts those rows into the database that it does not hold yet.
-class RowSink {
- public:
-  RowSink(Database& database, const Written& before) : database_(database), before_(before) {}
-
-  void put(const TableShape& table, const Row& row, std::shared_ptr<const void> source = {}) {
-    const std::uint64_t checksum = map_format::checksum_of(table, row);
-    after_[&table][row.key] = {checksum, std::move(source)};
-    const WrittenRow* const held = find(table, row.key);
-    if (held && held->checksum == checksum) return;
-    database_.put(table, row, checksum);
-    ++rows_;
-  }
-
-  /// For what never changes: true if the row is there already and need not be made.
-  bool keep(const TableShape& table, std::int64_t key, const std::shared_ptr<const void>& source) {
-    const WrittenRow* const held = find(table, key);
-    if (!held || held->source != source) return false;
-    after_[&table][key] = *held;
-    return true;
-  }
-
-  /// Deletes the rows that were not put or kept.
-  void erase_others() {
-    for (const auto& [table, rows] : before_) {
-      for (const auto& [key, row] : rows) {
-        if (after_[table].contains(key)) continue;
-        database_.erase(*table, key);
-        ++rows_;
-      }
-    }
-  }
-
-  std::uint64_t digest() const {
-    std::uint64_t digest = 0;
-    for (const auto& [table, rows] : after_) {
-      for (const auto& [key, row] : rows) digest += row.checksum;
-    }
-    return digest;
-  }
-  std::int64_t rows() const { return rows_; }
-  Written take() && { return std::move(after_); }
-
- private:
-  const WrittenRow* find(const TableShape& table, std::int64_t key) const {
-    const auto rows = before_.find(&table);
-    if (rows == before_.end()) return nullptr;
-    const auto row = rows->second.find(key);
-    return row == rows->second.end() ? nullptr : &row->second;
-  }
-
-  Database& database_;
-  const Written& before_;
-  Written after_;
-  std::int64_t rows_ = 0;
-};
-
-std::int64_t whole(std::uint64_t value) { return static_cast<std::int64_t>(value); }
-
-void put_keyframe(RowSink& sink, KeyFrameId id, const KeyFrame& k) {
-  sink.put(
-      map_format::kKeyframe,
-      {id.slot,
-       {whole(id.generation), k.serial, k.frame_index, k.stamp.ns, whole(k.map.slot),
-        whole(k.parent.slot), whole(k.parent.generation), map_format::encode_pose(k.T_world_camera),
-        map_format::encode_covisible(k.covisible), map_format::encode_ids(k.loops)}});
-  if (!sink.keep(map_format::kFeatures, id.slot, k.shared_features)) {
-    sink.put(map_format::kFeatures,
-             {id.slot, {whole(id.generation), map_format::encode_features(k.features())}},
-             k.shared_features);
-  }
-  if (k.picture && !sink.keep(map_format::kPicture, id.slot, k.picture)) {
-    sink.put(map_format::kPicture,
-             {id.slot,
-              {whole(id.generation), whole(static_cast<std::uint64_t>(k.picture->width_px)),
-               whole(static_cast<std::uint64_t>(k.picture->height_px)), k.picture->colour_jpeg,
-               k.picture->depth_png}},
-             k.picture);
-  }
-}
-
-void put_points(RowSink& sink, const Atlas& atlas) {
-  map_format::PointBlock block;
-  std::optional<std::uint32_t> number;
-  const auto flush = [&] {
-    if (number) sink.put(map_format::kPoints, {*number, {block.take()}});
-  };
-  atlas.points().for_each([&](MapPointId id, const MapPoint& point) {
-    if (number != id.slot / map_format::kPointsPerBlock) flush();
-    number = id.slot / map_format::kPointsPerBlock;
-    block.add(id, point);
-  });
-  flush();
-}
-
-void put_culled(RowSink& sink, const Atlas& atlas) {
-  atlas.culled().for_each([&](KeyFrameId id, const CulledKeyFrame& culled) {
-    const std::uint64_t key = static_cast<std::uint64_t>(id.generation) << 32U | id.slot;
-    sink.put(map_format::kCulled, {whole(key),
-                                   {whole(culled.parent.slot), whole(culled.parent.generation),
-                                    map_format::encode_pose(culled.T_parent_keyframe)}});
-  });
-}
-
-/// Always written: it changes whenever anything does.
-void put_atlas_row(Database& database, const Atlas& atlas, std::uint64_t digest) {
-  const KeyFrameId newest = atlas.newest_keyframe();
-  const Row row{
-      1,
-      {std::string("ydd-slam ") + kVersion, atlas.camera().name,
-       map_format::encode_camera(atlas.camera()), map_format::encode_scales(atlas.scales()),
-       whole(atlas.revision()), atlas.next_serial(), whole(atlas.maps()), whole(newest.slot),
-       whole(newest.generation), map_format::encode_ids(atlas.keyframes().freed()),
-       map_format::encode_ids(atlas.points().freed()), whole(atlas.keyframes().size()),
-       whole(atlas.points().size()), whole(digest)}};
-  database.put(map_format::kAtlas, row, map_format::checksum_of(map_format::kAtlas, row));
-}
-
-/// Makes the database, which holds `before`, hold the atlas.
-std::pair<Written, std::int64_t> write_atlas(Database& database, const Atlas& atlas,
-                                             const Written& before) {
-  RowSink sink(database, before);
-  atlas.keyframes().for_each(
-      [&](KeyFrameId id, const KeyFrame& keyframe) { put_keyframe(sink, id, keyframe); });
-  put_culled(sink, atlas);
-  put_points(sink, atlas);
-  sink.erase_others();
-  put_atlas_row(database, atlas, sink.digest());
-  const std::int64_t rows = sink.rows() + 1;
-  return {std::move(sink).take(), rows};
-}
-
-void make_schema(Database& database) {
-  database.run(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
-                           map_format::kApplicationId, map_format::kVersion));
-  database.create_table(map_format::kAtlas);
-  for (const TableShape* const table : map_format::kContent) database.create_table(*table);
-}
+using map_format::HeldRows;
 
 FileLock take_lock(const fs::path& file, bool create) {
   Result<FileLock> lock = FileLock::take(file, create);
@@ -187,35 +37,55 @@ fs::path folder_of(const fs::path& file) {
 
 /// What must not be lost in silence: how much a file holds, and of which keyframes.
 struct Holding {
-  std::vector<std::pair<KeyFrameId, Timestamp>> keyframes;
-  std::size_t points = 0;
+  std::size_t keyframes = 0, points = 0;
+  std::shared_ptr<const Atlas> atlas;                    ///< null: only the stamps are known
+  std::vector<std::pair<KeyFrameId, Timestamp>> stamps;  ///< of the keyframes
 
-  bool empty() const { return keyframes.empty() || points == 0; }
+  bool empty() const { return keyframes == 0 || points == 0; }
 };
 
 Holding holding_of(const Atlas& atlas) {
-  Holding holding{{}, atlas.points().size()};
-  holding.keyframes.reserve(atlas.keyframes().size());
+  Holding holding{atlas.keyframes().size(), atlas.points().size(), nullptr, {}};
+  holding.stamps.reserve(holding.keyframes);
   atlas.keyframes().for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
-    holding.keyframes.emplace_back(id, keyframe.stamp);
+    holding.stamps.emplace_back(id, keyframe.stamp);
   });
   return holding;
 }
 
+Holding holding_of(const std::shared_ptr<const Atlas>& atlas) {
+  return {atlas->keyframes().size(), atlas->points().size(), atlas, {}};
+}
+
 /// Whether each keyframe of `old` is in the atlas, or was culled from it.
 bool goes_on_from(const Holding& old, const Atlas& atlas) {
-  return std::ranges::all_of(old.keyframes, [&](const auto& entry) {
-    const KeyFrame* const keyframe = atlas.find(entry.first);
-    return keyframe ? keyframe->stamp == entry.second : atlas.culled().contains(entry.first);
+  const auto has = [&](KeyFrameId id, Timestamp stamp) {
+    const KeyFrame* const keyframe = atlas.find(id);
+    return keyframe ? keyframe->stamp == stamp : atlas.culled().contains(id);
+  };
+  if (!old.atlas) {
+    return std::ranges::all_of(old.stamps,
+                               [&](const auto& entry) { return has(entry.first, entry.second); });
+  }
+  bool all = true;
+  const auto& before = old.atlas->keyframes();
+  atlas.keyframes().for_each_difference(before, [&](std::uint32_t first, std::uint32_t end) {
+    before.for_each_in(first, end, [&](KeyFrameId id, const KeyFrame& keyframe) {
+      all = all && has(id, keyframe.stamp);
+    });
   });
+  return all;
 }
 
 /// A map that goes on may lose what has become redundant, but not most of itself.
 bool is_lesser(const Atlas& atlas, const Holding& old) {
-  const double kept = goes_on_from(old, atlas) ? 0.5 : 1.0;
-  return static_cast<double>(atlas.keyframes().size()) <
-             kept * static_cast<double>(old.keyframes.size()) ||
-         static_cast<double>(atlas.points().size()) < kept * static_cast<double>(old.points);
+  const auto keyframes = static_cast<double>(atlas.keyframes().size());
+  const auto points = static_cast<double>(atlas.points().size());
+  const auto below = [&](double share) {
+    return keyframes < share * static_cast<double>(old.keyframes) ||
+           points < share * static_cast<double>(old.points);
+  };
+  return below(0.5) || (below(1.0) && !goes_on_from(old, atlas));
 }
 
 fs::path previous_of(const fs::path& file) { return file.string() + ".previous"; }
@@ -232,7 +102,7 @@ bool keep_previous(const fs::path& file, const Holding& old) {
     }
     if (!is_lesser(*before, old)) {
       log::warning("{}: a lesser map replaces another one ({} keyframes, {} points); {} stays",
-                   file.string(), old.keyframes.size(), old.points, previous.string());
+                   file.string(), old.keyframes, old.points, previous.string());
       return false;
     }
     fs::remove(previous);
@@ -241,7 +111,7 @@ bool keep_previous(const fs::path& file, const Holding& old) {
   fs::create_hard_link(file, previous, no_second_names);
   if (no_second_names) fs::copy_file(file, previous);
   log::warning("{}: the map of before ({} keyframes, {} points) holds more; it is kept as {}",
-               file.string(), old.keyframes.size(), old.points, previous.string());
+               file.string(), old.keyframes, old.points, previous.string());
   return true;
 }
 
@@ -256,10 +126,17 @@ Error failure(const fs::path& file, const char* reason) {
 struct MapWriter::State {
   std::optional<FileLock> lock;  ///< of the file that is there; outlives the connection
   std::optional<Database> database;
-  Written written;  ///< what the database holds
-  Holding held;     ///< by the file
+  HeldRows rows;  ///< of the file; none: not known
+  Holding held;   ///< by the file
   bool replace = false;
   std::optional<Holding> previous;  ///< what was set aside for as long as there is less
+
+  /// Whether rows of the file at `file` can be changed into those of the atlas: it is the one that
+  /// was read or written last, and the atlas goes on from what it holds.
+  bool can_change(const fs::path& file, const Atlas& atlas) const {
+    if (rows.empty() || !lock || !lock->is_named(file)) return false;
+    return database || goes_on_from(held, atlas);
+  }
 };
 
 MapWriter::MapWriter(fs::path file, std::unique_ptr<State> state)
@@ -282,9 +159,9 @@ Result<MapWriter> MapWriter::open(const fs::path& file, Replacing replacing) {
       map_format::check_header(target);
       map_format::recover(target);
       state->lock = take_lock(target, false);
-      const Result<Atlas> held = load_map(target);
-      if (!held) throw Fault(held.error().message);
-      state->held = holding_of(*held);
+      auto [held, rows] = map_format::read_rows(target);
+      state->held = holding_of(held);
+      state->rows = std::move(rows);
     }
     return MapWriter(target, std::move(state));
   } catch (const std::exception& fault) {
@@ -293,16 +170,28 @@ Result<MapWriter> MapWriter::open(const fs::path& file, Replacing replacing) {
 }
 
 Result<MapSave> MapWriter::save(const Atlas& atlas) {
+  Result<MapSave> saved = save_after(atlas, nullptr);
+  if (saved) state_->held = holding_of(atlas);
+  return saved;
+}
+
+Result<MapSave> MapWriter::save(const std::shared_ptr<const Atlas>& atlas) {
+  // What the file holds shares with this one what has not changed.
+  Result<MapSave> saved = save_after(*atlas, state_->database ? state_->held.atlas : nullptr);
+  if (saved) state_->held = holding_of(atlas);
+  return saved;
+}
+
+Result<MapSave> MapWriter::save_after(const Atlas& atlas, std::shared_ptr<const Atlas> before) {
   try {
     const bool lesser = !state_->replace && fs::exists(file_) && is_lesser(atlas, state_->held);
-    if (lesser && holding_of(atlas).empty()) {
+    if (lesser && (atlas.keyframes().empty() || atlas.points().empty())) {
       throw Fault(fmt::format(
           "holds {} keyframes and {} points, and this map has none: it is left as it was",
-          state_->held.keyframes.size(), state_->held.points));
+          state_->held.keyframes, state_->held.points));
     }
-    const bool known = state_->database && state_->lock && state_->lock->is_named(file_);
-    const MapSave saved = known && !lesser ? save_changes(atlas) : save_whole(atlas, lesser);
-    state_->held = holding_of(atlas);
+    const bool change = !lesser && state_->can_change(file_, atlas);
+    const MapSave saved = change ? save_changes(atlas, before.get()) : save_whole(atlas, lesser);
     if (state_->previous && !is_lesser(atlas, *state_->previous)) {
       state_->previous.reset();
       std::error_code ignored;
@@ -312,6 +201,7 @@ Result<MapSave> MapWriter::save(const Atlas& atlas) {
   } catch (const std::exception& fault) {
     // What the file holds now is not known any more; the next save writes all of it.
     state_->database.reset();
+    state_->rows.clear();
     return failure(file_, fault.what());
   }
 }
@@ -327,12 +217,13 @@ MapSave MapWriter::save_whole(const Atlas& atlas, bool lesser) {
   Result<FreshFile> fresh = FreshFile::make(file_, ".new");
   if (!fresh) throw Fault(fresh.error().message);
   FileLock lock = take_lock(fresh->path(), false);
-  std::pair<Written, std::int64_t> written;
+  state_->rows.clear();
+  std::int64_t rows = 0;
   {
     Database database(fresh->path(), Database::Mode::create);
     database.run("BEGIN");
-    make_schema(database);
-    written = write_atlas(database, atlas, {});
+    map_format::make_schema(database);
+    rows = map_format::write_rows(database, atlas, nullptr, state_->rows);
     database.run("COMMIT");
   }
   if (!lock.flush()) throw Fault("cannot be flushed to the disk");
@@ -344,17 +235,16 @@ MapSave MapWriter::save_whole(const Atlas& atlas, bool lesser) {
   if (const Result<void> placed = fresh->place(); !placed) throw Fault(placed.error().message);
   flush_folder(folder_of(file_));
   state_->lock = std::move(lock);
-  state_->written = std::move(written.first);
   state_->database.emplace(file_, Database::Mode::write);
-  return {true, written.second};
+  return {true, rows};
 }
 
-MapSave MapWriter::save_changes(const Atlas& atlas) {
+MapSave MapWriter::save_changes(const Atlas& atlas, const Atlas* before) {
+  if (!state_->database) state_->database.emplace(file_, Database::Mode::write);
   Database& database = *state_->database;
   database.run("BEGIN IMMEDIATE");
-  auto [written, rows] = write_atlas(database, atlas, state_->written);
+  const std::int64_t rows = map_format::write_rows(database, atlas, before, state_->rows);
   database.run("COMMIT");
-  state_->written = std::move(written);
   return {false, rows};
 }
 

@@ -10,9 +10,14 @@ namespace {
 
 constexpr std::size_t kJunctionNeighbours = 10;
 
-/// The nearest keyframe, from `id` up the spanning tree, that the correction names; empty: none.
+/// The keyframe itself if the correction names it, else the nearest one up the spanning tree that
+/// carries it along; empty: it stays.
 KeyFrameId corrected_ancestor(const Atlas& atlas, const Correction& correction, KeyFrameId id) {
-  while (id.valid() && !correction.T_world_keyframe.contains(id)) id = atlas.at(id).parent;
+  while (id.valid() && !correction.T_world_keyframe.contains(id)) {
+    const KeyFrame& keyframe = atlas.at(id);
+    if (keyframe.serial < correction.newcomers_from) return {};
+    id = keyframe.parent;
+  }
   return id;
 }
 
@@ -49,6 +54,24 @@ std::vector<MapPointId> points_seen_by(const Atlas& atlas, const std::vector<Key
   return points;
 }
 
+/// The points that move, or are seen by a keyframe that moves.
+std::vector<MapPointId> touched_points(const Atlas& atlas, const std::vector<KeyFrameId>& moved,
+                                       const Correction& correction) {
+  std::vector<MapPointId> points;
+  std::vector<bool> listed(atlas.points().slots(), false);
+  const auto add = [&](MapPointId id) {
+    if (!atlas.find(id) || listed[id.slot]) return;
+    listed[id.slot] = true;
+    points.push_back(id);
+  };
+  for (const auto& [id, p_world] : correction.p_world) add(id);
+  for (const KeyFrameId id : moved) {
+    for (const MapPointId point : atlas.at(id).points) add(point);
+  }
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
 void join_maps(Atlas& atlas, const Correction::Junction& junction) {
   const MapId from = atlas.at(junction.current).map;
   const MapId into = atlas.at(junction.matched).map;
@@ -63,7 +86,12 @@ void join_maps(Atlas& atlas, const Correction::Junction& junction) {
 
 void apply_correction(Atlas& atlas, const Correction& correction) {
   const std::vector<std::optional<SE3>> T_new_old = motions(atlas, correction);
-  for (const MapPointId id : atlas.points().ids()) {
+  std::vector<KeyFrameId> moved;
+  for (const KeyFrameId id : atlas.keyframes().ids()) {
+    if (T_new_old[id.slot]) moved.push_back(id);
+  }
+  const std::vector<MapPointId> touched = touched_points(atlas, moved, correction);
+  for (const MapPointId id : touched) {
     const MapPoint& point = atlas.at(id);
     const auto placed = correction.p_world.find(id);
     const auto& motion = T_new_old[point.observations.front().keyframe.slot];
@@ -73,11 +101,10 @@ void apply_correction(Atlas& atlas, const Correction& correction) {
       atlas.set_position(id, *motion * point.p_world);
     }
   }
-  for (const KeyFrameId id : atlas.keyframes().ids()) {
-    const auto& motion = T_new_old[id.slot];
-    if (motion) atlas.set_pose(id, *motion * atlas.at(id).T_world_camera);
+  for (const KeyFrameId id : moved) {
+    atlas.set_pose(id, *T_new_old[id.slot] * atlas.at(id).T_world_camera);
   }
-  for (const MapPointId id : atlas.points().ids()) atlas.refresh_point(id);
+  for (const MapPointId id : touched) atlas.refresh_point(id);
 }
 
 void merge_at(Atlas& atlas, const Correction::Junction& junction, double radius_px,

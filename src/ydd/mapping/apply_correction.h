@@ -7,7 +7,8 @@
 namespace ydd {
 
 /// Moves keyframes and points as the correction says; keyframes that it does not know yet go along
-/// with their parent, points with the first keyframe that saw them.
+/// with their parent, points with the first keyframe that saw them. What is seen by no keyframe
+/// that moves is not touched.
 void apply_correction(Atlas& atlas, const Correction& correction);
 
 /// Joins the two sides of a junction: one map, one spanning tree, duplicate points fused.

@@ -68,6 +68,33 @@ TEST(ApplyCorrection, ANewcomerMayHaveAYoungerParent) {
   EXPECT_NEAR(atlas.at(ids[3]).T_world_camera.translation().x() - before_m, 1.0, 1e-9);
 }
 
+TEST(ApplyCorrection, OlderOnesThatItDoesNotNameStayWithTheirPoints) {
+  CorrectedScene scene(5);
+  Atlas& atlas = scene.built.atlas;
+  const auto& ids = scene.built.keyframes;
+  for (std::size_t i = 1; i < ids.size(); ++i) atlas.set_parent(ids[i], ids[i - 1]);
+  Correction correction;  // the last keyframe came after the snapshot, the one before it did not
+  correction.newcomers_from = atlas.at(ids[4]).serial;
+  correction.T_world_keyframe[ids[2]] = shift(1.0) * atlas.at(ids[2]).T_world_camera;
+  std::vector<double> before_m;
+  for (const KeyFrameId id : ids) {
+    before_m.push_back(atlas.at(id).T_world_camera.translation().x());
+  }
+  const MapPointId point = atlas.at(ids[0]).points[0];  // first seen by a keyframe that stays
+  const Eigen::Vector3d p_before = atlas.at(point).p_world;
+  apply_correction(atlas, correction);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    EXPECT_NEAR(atlas.at(ids[i]).T_world_camera.translation().x() - before_m[i], i == 2 ? 1.0 : 0.0,
+                1e-9)
+        << i;
+  }
+  EXPECT_EQ(atlas.at(point).p_world, p_before);
+  atlas.set_parent(ids[4], ids[2]);
+  correction.T_world_keyframe[ids[2]] = shift(1.0) * atlas.at(ids[2]).T_world_camera;
+  apply_correction(atlas, correction);
+  EXPECT_NEAR(atlas.at(ids[4]).T_world_camera.translation().x() - before_m[4], 1.0, 1e-9);
+}
+
 TEST(ApplyCorrection, WhereACulledKeyframeStoodMovesAlong) {
   CorrectedScene scene(5);
   Atlas& atlas = scene.built.atlas;

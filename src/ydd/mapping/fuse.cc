@@ -65,11 +65,11 @@ std::vector<KeyFrameId> neighbourhood(const Atlas& atlas, KeyFrameId id, int nei
 
 std::vector<MapPointId> points_of(const Atlas& atlas, std::span<const KeyFrameId> keyframes) {
   std::vector<MapPointId> out;
-  std::vector<std::uint8_t> seen(atlas.points().slots(), 0);
+  std::vector<bool> seen(atlas.points().slots(), false);
   for (const KeyFrameId id : keyframes) {
     for (const MapPointId point : atlas.at(id).points) {
-      if (!point.valid() || seen[point.slot] != 0) continue;
-      seen[point.slot] = 1;
+      if (!point.valid() || seen[point.slot]) continue;
+      seen[point.slot] = true;
       out.push_back(point);
     }
   }

@@ -17,11 +17,11 @@ void add_free_poses(const Atlas& atlas, KeyFrameId centre, const LocalBundleOpti
 }
 
 void add_points(const Atlas& atlas, GatheredBundle& gathered) {
-  std::vector<std::uint8_t> seen(atlas.points().slots(), 0);
+  std::vector<bool> seen(atlas.points().slots(), false);
   for (const KeyFrameId id : gathered.keyframes) {
     for (const MapPointId point : atlas.at(id).points) {
-      if (!point.valid() || seen[point.slot] != 0) continue;
-      seen[point.slot] = 1;
+      if (!point.valid() || seen[point.slot]) continue;
+      seen[point.slot] = true;
       add_point(atlas, point, gathered);
     }
   }

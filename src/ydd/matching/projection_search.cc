@@ -123,9 +123,9 @@ LocalSearch search_local_map(const Atlas& atlas, const LocalMap& local, const Tr
   const Camera& camera = atlas.camera();
   const Features& features = frame.features();
   const Viewpoint viewpoint(camera, atlas.scales(), frame.T_camera_world);
-  std::vector<std::uint8_t> taken_slot(atlas.points().slots(), 0);
+  std::vector<bool> taken_slot(atlas.points().slots(), false);
   for (const MapPointId id : frame.points) {
-    if (atlas.find(id)) taken_slot[id.slot] = 1;
+    if (atlas.find(id)) taken_slot[id.slot] = true;
   }
   LocalSearch out;
   out.visible.reserve(local.points.size());
@@ -134,7 +134,7 @@ LocalSearch search_local_map(const Atlas& atlas, const LocalMap& local, const Tr
   candidates.reserve(kUsualCandidates);
   for (int i = 0; i < static_cast<int>(local.points.size()); ++i) {
     const LocalPoint& point = local.points[static_cast<std::size_t>(i)];
-    if (point.id.slot < taken_slot.size() && taken_slot[point.id.slot] != 0) continue;
+    if (point.id.slot < taken_slot.size() && taken_slot[point.id.slot]) continue;
     const auto seen = viewpoint.see(point);
     if (!seen) continue;
     out.visible.push_back(i);

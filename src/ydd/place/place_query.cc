@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <set>
+#include <utility>
+
+#include "ydd/place/word_ranking.h"
 
 namespace ydd {
 namespace {
@@ -39,27 +43,89 @@ class SpreadOut {
   std::vector<float> weights_;
 };
 
+struct Compared {
+  double score = 0;
+  std::int64_t serial = 0;
+  KeyFrameId keyframe;
+};
+
+/// Better first.
+bool is_better(const Compared& a, const Compared& b) {
+  if (a.score != b.score) return a.score > b.score;
+  return a.serial < b.serial;
+}
+
+/// The best few of what has been compared so far.
+class Best {
+ public:
+  explicit Best(std::size_t wanted) : wanted_(wanted) {}
+
+  void add(const Compared& compared) {
+    if (compared.score <= 0 || wanted_ == 0) return;
+    if (heap_.size() == wanted_) {
+      if (!is_better(compared, heap_.front())) return;
+      std::pop_heap(heap_.begin(), heap_.end(), is_better);
+      heap_.pop_back();
+    }
+    heap_.push_back(compared);
+    std::push_heap(heap_.begin(), heap_.end(), is_better);
+  }
+  /// What a keyframe must be better than, or as good as, to change anything.
+  double needed() const { return heap_.size() < wanted_ ? 0.0 : heap_.front().score; }
+
+  std::vector<PlaceCandidate> take() && {
+    std::sort(heap_.begin(), heap_.end(), is_better);
+    std::vector<PlaceCandidate> out;
+    out.reserve(heap_.size());
+    for (const Compared& c : heap_) out.push_back({c.keyframe, c.score});
+    return out;
+  }
+
+ private:
+  std::size_t wanted_;
+  std::vector<Compared> heap_;  ///< the worst in front
+};
+
+/// How many are compared although not all words were looked up: some for each that is wanted.
+std::size_t enough_compared(std::size_t wanted, const PlaceQueryLimits& limits) {
+  return std::max(4 * wanted, limits.most_compared);
+}
+
 }  // namespace
 
 std::vector<PlaceCandidate> query_places(const Atlas& atlas, const BagOfWords& words,
                                          const std::function<bool(KeyFrameId)>& admit,
-                                         std::size_t max_candidates) {
+                                         std::size_t max_candidates,
+                                         const PlaceQueryLimits& limits) {
+  const WordIndex& index = atlas.word_index();
   const SpreadOut query(words);
-  std::vector<PlaceCandidate> candidates;
-  candidates.reserve(atlas.keyframes().size());
+  Best best(max_candidates);
+  std::size_t compared = 0;
+  const auto compare = [&](const WordIndex::Entry& entry) {
+    if (!admit(entry.keyframe)) return;
+    best.add({query.similarity(*entry.words), entry.serial, entry.keyframe});
+    ++compared;
+  };
+  const WordLookup lookup = choose_words(index, words, limits.most_postings);
+  WordRanking ranking(index, lookup);
+  while (const std::optional<PromisingKeyframe> next = ranking.next()) {
+    if (next->common + lookup.unseen < best.needed()) break;
+    if (!lookup.all && compared >= enough_compared(max_candidates, limits)) break;
+    compare(*next->entry);
+  }
+  return std::move(best).take();
+}
+
+std::vector<PlaceCandidate> query_places_exhaustively(const Atlas& atlas, const BagOfWords& words,
+                                                      const std::function<bool(KeyFrameId)>& admit,
+                                                      std::size_t max_candidates) {
+  const SpreadOut query(words);
+  Best best(max_candidates);
   atlas.keyframes().for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
-    if (keyframe.words && admit(id)) {
-      candidates.push_back({id, query.similarity(*keyframe.words)});
-    }
+    if (!keyframe.words || !admit(id)) return;
+    best.add({query.similarity(*keyframe.words), keyframe.serial, id});
   });
-  const std::size_t n = std::min(max_candidates, candidates.size());
-  std::partial_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(n),
-                    candidates.end(), [&](const PlaceCandidate& a, const PlaceCandidate& b) {
-                      if (a.score != b.score) return a.score > b.score;
-                      return atlas.at(a.keyframe).serial < atlas.at(b.keyframe).serial;
-                    });
-  candidates.resize(n);
-  return candidates;
+  return std::move(best).take();
 }
 
 std::vector<PlaceCandidate> distinct_places(const Atlas& atlas,

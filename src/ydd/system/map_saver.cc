@@ -60,7 +60,7 @@ void MapSaver::run() noexcept {
 
 void MapSaver::work_off() {
   while (auto task = tasks_.pop()) {
-    Result<void> saved = guarded(file_.native(), [&] { return work(*task->atlas); });
+    Result<void> saved = guarded(file_.native(), [&] { return work(task->atlas); });
     if (!saved && !task->answered) {
       log::warning("{}; the map goes on, the file holds an earlier state", saved.error().message);
     }
@@ -72,7 +72,7 @@ void MapSaver::work_off() {
   }
 }
 
-Result<void> MapSaver::work(const Atlas& atlas) {
+Result<void> MapSaver::work(const std::shared_ptr<const Atlas>& atlas) {
   StageTimes times;
   StageTimer timer(times, "save");
   const Result<MapSave> saved = writer_.save(atlas);

@@ -43,7 +43,7 @@ class MapSaver {
   };
   void run() noexcept;
   void work_off();
-  Result<void> work(const Atlas& atlas);
+  Result<void> work(const std::shared_ptr<const Atlas>& atlas);
 
   const std::filesystem::path file_;
   const double every_s_;

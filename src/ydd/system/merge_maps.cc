@@ -2,6 +2,8 @@
 #include "ydd/system/merge_maps.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -41,6 +43,23 @@ std::optional<LoopMatch> best_match(const Atlas& atlas, MapId map, const std::se
   return best;
 }
 
+/// Of some keyframes those that stand and look as one of the others does.
+std::size_t count_overlapping(const Atlas& atlas, const std::vector<KeyFrameId>& moved,
+                              const std::vector<KeyFrameId>& others) {
+  constexpr double kNear_m = 1.0;
+  const double near_cosine = std::cos(std::numbers::pi / 6.0);
+  const auto overlaps = [&](KeyFrameId id) {
+    const SE3& pose = atlas.at(id).T_world_camera;
+    const Eigen::Vector3d ahead = pose.rotation() * Eigen::Vector3d::UnitZ();
+    return std::any_of(others.begin(), others.end(), [&](KeyFrameId other) {
+      const SE3& there = atlas.at(other).T_world_camera;
+      return (there.translation() - pose.translation()).norm() < kNear_m &&
+             ahead.dot(there.rotation() * Eigen::Vector3d::UnitZ()) > near_cosine;
+    });
+  };
+  return static_cast<std::size_t>(std::count_if(moved.begin(), moved.end(), overlaps));
+}
+
 /// Nobody else works on the map: what was computed on it fits it.
 void apply_to(Mapper& mapper, const std::optional<Correction>& correction) {
   if (!correction || mapper.apply(*correction) != Applied::as_computed) {
@@ -66,9 +85,13 @@ Result<MergedMaps> merge_maps(const Atlas& a, const Atlas& b, const MapperOption
       ++out.separate;
       continue;
     }
-    out.merges.push_back({map, atlas->at(match->matched).map, match->seen.size()});
+    const MapId into = atlas->at(match->matched).map;
+    const std::vector<KeyFrameId> moved = keyframes_of(*atlas, map);
+    const std::vector<KeyFrameId> others = keyframes_of(*atlas, into);
     apply_to(mapper, correct_loop(*atlas, *match, loop));
     if (loop.full_bundle) apply_to(mapper, full_bundle(*mapper.snapshot(), match->matched, loop));
+    out.merges.push_back({map, into, match->seen.size(), moved.size(),
+                          count_overlapping(mapper.atlas(), moved, others)});
   }
   out.atlas = std::move(mapper).take_atlas();
   return out;

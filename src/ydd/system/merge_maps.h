@@ -11,9 +11,11 @@ namespace ydd {
 
 /// Where a map of the second atlas was merged into one of the first.
 struct MapMerge {
-  MapId map;               ///< of the joined atlas: the one that moved
-  MapId into;              ///< the one that it became part of
-  std::size_t points = 0;  ///< that agree
+  MapId map;                    ///< of the joined atlas: the one that moved
+  MapId into;                   ///< the one that it became part of
+  std::size_t points = 0;       ///< that agree
+  std::size_t keyframes = 0;    ///< of the map that moved
+  std::size_t overlapping = 0;  ///< of these: within 1 m and 30 degrees of one that was there
 };
 
 struct MergedMaps {

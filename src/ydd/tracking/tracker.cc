@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "ydd/base/log.h"
 #include "ydd/place/place_query.h"
@@ -273,7 +274,8 @@ void Tracker::count_views(const Atlas& atlas, const LocalMap& local, const Local
   const auto entry = [&](MapPointId id) -> Views& {
     if (views_.size() <= id.slot) views_.resize(id.slot + 1);
     Views& views = views_[id.slot];
-    if (views.generation != id.generation) views = {id.generation, 0, 0, 0};
+    if (views.generation != id.generation) views = {id.generation, 0, 0, 0, views.listed};
+    if (!std::exchange(views.listed, true)) viewed_.push_back(id.slot);
     return views;
   };
   for (const int i : search.visible) {
@@ -294,13 +296,16 @@ void Tracker::count_views(const Atlas& atlas, const LocalMap& local, const Local
 }
 
 std::vector<PointViews> Tracker::take_views() {
+  std::sort(viewed_.begin(), viewed_.end());
   std::vector<PointViews> out;
-  for (std::uint32_t slot = 0; slot < views_.size(); ++slot) {
-    const Views& v = views_[slot];
+  for (const std::uint32_t slot : viewed_) {
+    Views& v = views_[slot];
+    v.listed = false;
     if (v.visible <= 0 && v.found <= 0) continue;
     out.push_back({{slot, v.generation}, v.visible, v.found, v.contradicted});
-    views_[slot].visible = views_[slot].found = 0;
+    v.visible = v.found = 0;
   }
+  viewed_.clear();
   return out;
 }
 

@@ -95,6 +95,7 @@ class Tracker {
     int visible = 0;
     int found = 0;
     int contradicted = 0;  ///< in a row
+    bool listed = false;   ///< in viewed_
   };
 
   bool find_pose(const Atlas& atlas, TrackedFrame& frame, TrackResult& result);
@@ -156,7 +157,8 @@ class Tracker {
   Timestamp last_candidate_stamp_;
   std::optional<Timestamp> lost_since_;
   bool localization_only_ = false;
-  std::vector<Views> views_;  ///< by slot of the point
+  std::vector<Views> views_;           ///< by slot of the point
+  std::vector<std::uint32_t> viewed_;  ///< slots with views since the last candidate
 };
 
 }  // namespace ydd
