@@ -82,7 +82,7 @@ Result<void> RunFoxglove::write(const Job& job) {
   };
   if (!std::exchange(begun_, true)) {
     const std::string up =
-        foxglove::frame_transform(job.stamp, "map", "world", foxglove::T_map_world());
+        foxglove::frame_transform(job.stamp, "map", "world", foxglove::world_in_map());
     if (auto r = put(transform_, up); !r) return r;
   }
   const Result<std::string> jpeg = encode_jpeg(job.colour, kJpegQuality);

@@ -176,7 +176,7 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-SE3 T_map_world() {
+SE3 world_in_map() {
   Eigen::Matrix3d R;
   R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   return SE3(R, Eigen::Vector3d::Zero());

@@ -27,7 +27,7 @@ std::string pose_in_frame(Timestamp stamp, const SE3& T_world_camera);
 std::string frame_transform(Timestamp stamp, std::string_view parent, std::string_view child,
                             const SE3& T_parent_child);
 /// Where "world" is in "map".
-SE3 T_map_world();
+SE3 world_in_map();
 /// `jpeg`: the file's bytes.
 std::string compressed_image(Timestamp stamp, std::string_view jpeg);
 /// The points of the map that is worked on, at most about `most`.

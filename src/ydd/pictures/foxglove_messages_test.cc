@@ -20,8 +20,8 @@ TEST(Foxglove, Base64IsThatOfTheStandard) {  // RFC 4648, section 10
 
 TEST(Foxglove, TheMapHasItsZUp) {
   const Eigen::Vector3d up_world(0, -1, 0), ahead_world(0, 0, 1);
-  EXPECT_TRUE((T_map_world() * up_world).isApprox(Eigen::Vector3d::UnitZ()));
-  EXPECT_TRUE((T_map_world() * ahead_world).isApprox(Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE((world_in_map() * up_world).isApprox(Eigen::Vector3d::UnitZ()));
+  EXPECT_TRUE((world_in_map() * ahead_world).isApprox(Eigen::Vector3d::UnitX()));
 }
 
 /// Every key of `value` is in the schema, with its type; so Foxglove does not miss one.
