@@ -28,8 +28,12 @@ class Texture {
       // Sizes fall with the inverse cube, as in pictures of the real world.
       const double r =
           std::min(2.5 / std::sqrt(static_cast<double>(random() % 10000 + 1) / 10000), 90.0);
-      put(static_cast<int>(random() % kSize), static_cast<int>(random() % kSize), r,
-          static_cast<std::uint8_t>(random() % 256), random() % 2 == 0);
+      // One by one: the order in which arguments are evaluated is not the same everywhere.
+      const bool is_disc = random() % 2 == 0;
+      const auto grey = static_cast<std::uint8_t>(random() % 256);
+      const auto cy = static_cast<int>(random() % kSize);
+      const auto cx = static_cast<int>(random() % kSize);
+      put(cx, cy, r, grey, is_disc);
     }
   }
   double at(double x, double y) const {
