@@ -5,12 +5,16 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <functional>
+#include <map>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "small_world.h"
+#include "ydd/bags/bag.h"
+#include "ydd/bags/byte_source.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/image/decode.h"
 #include "ydd/sources/source.h"
@@ -131,6 +135,77 @@ TEST(Recording, ADiskThatIsFullCostsTheRestOfIt) {
   ASSERT_TRUE(kept.ok()) << kept.error().message;
   EXPECT_GT(kept->size(), 2U);
   EXPECT_LT(kept->size(), static_cast<std::size_t>(kFrames));
+}
+
+/// The messages of an MCAP file by topic, as it says they are: chunks of zstd or none.
+std::map<std::string, std::vector<std::string>> messages_of(const fs::path& file) {
+  const std::string bytes = text_of(file);
+  std::map<std::string, std::vector<std::string>> out;
+  std::map<std::uint64_t, std::string> topics;
+  const auto number = [](std::string_view text, std::size_t at, std::size_t size) {
+    return bags::little_endian(text.substr(at, size));
+  };
+  const std::function<void(std::string_view)> walk = [&](std::string_view text) {
+    for (std::size_t at = 0; at + 9 <= text.size();) {
+      const int op = text[at];
+      const std::string_view body = text.substr(at + 9, number(text, at + 1, 8));
+      at += 9 + body.size();
+      if (op == 4) topics[number(body, 0, 2)] = body.substr(8, number(body, 4, 4));
+      if (op == 5) out[topics.at(number(body, 0, 2))].emplace_back(body.substr(22));
+      if (op == 15) return;
+      if (op != 6) continue;
+      const std::uint64_t name = number(body, 28, 4), size = number(body, 16, 8);
+      const std::string_view packed = body.substr(32 + name + 8);
+      if (name == 0) {
+        walk(packed);
+      } else {
+        walk(bags::decompressed(body.substr(32, name), packed, size).value());
+      }
+    }
+  };
+  walk(std::string_view(bytes).substr(8));
+  return out;
+}
+
+TEST(Foxglove, GetsPicturesPosesPointsAndPeople) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      ydd_slam({"run", busy_room(), "--detections", busy_room() / "detections.jsonl", "--out",
+                folder / "out", "--mcap", folder / "walk.mcap", "--max-frames", "12"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto bag = open_bag(folder / "walk.mcap").value();
+  EXPECT_EQ(bag->incomplete(), "");
+  ASSERT_EQ(bag->topics().size(), 5U);
+  EXPECT_EQ(bag->topics()[1].type, "foxglove.PoseInFrame as json");
+  const auto messages = messages_of(folder / "walk.mcap");
+  const json summary = summary_of(folder / "out");
+  EXPECT_EQ(messages.at("/image").size(), summary.at("frames_processed"));
+  EXPECT_GE(messages.at("/points").size(), 1U);
+  const json pose = json::parse(messages.at("/pose").back());
+  EXPECT_EQ(pose.at("frame_id"), "world");
+  const StampedPoses trajectory = read_tum_trajectory(folder / "out/trajectory.tum").value();
+  const std::int64_t stamp_ns = pose.at("timestamp").at("sec").get<std::int64_t>() * 1'000'000'000 +
+                                pose.at("timestamp").at("nsec").get<std::int64_t>();
+  EXPECT_EQ(stamp_ns, trajectory.back().stamp.ns);
+  EXPECT_NEAR(pose.at("pose").at("position").at("x"),
+              trajectory.back().T_world_camera.translation().x(), 0.02);
+  const json image = json::parse(messages.at("/image").front());
+  EXPECT_EQ(image.at("format"), "jpeg");
+  EXPECT_TRUE(image.at("data").get<std::string>().starts_with("/9j/")) << "a JPEG in base64";
+  const json points = json::parse(messages.at("/points").front());
+  EXPECT_EQ(points.at("point_stride"), 12);
+  EXPECT_GT(points.at("data").get<std::string>().size(), 100U * 16);
+  EXPECT_EQ(messages.at("/tf").size(), messages.at("/pose").size() + 1);
+  std::size_t people = 0;
+  for (const std::string& scene : messages.at("/tracks")) {
+    const json update = json::parse(scene);
+    EXPECT_EQ(update.at("deletions").at(0).at("type"), 1);
+    people += update.at("entities").size();
+    for (const json& entity : update.at("entities")) {
+      EXPECT_GT(entity.at("cubes").at(0).at("size").at("y"), 0.2);
+    }
+  }
+  EXPECT_GT(people, 0U);
 }
 
 #ifndef YDD_OPENNI2_RUNTIME
@@ -302,8 +377,8 @@ TEST_F(Cameras, ThatStandStillAreWaitedFor) {
 }
 
 TEST_F(Cameras, DropWhatNobodyTakesInTime) {
-  plug_in("pace_hz 400 repeat 400");
-  const Outcome outcome = run("openni2", {"--max-frames", "20"});
+  plug_in("pace_hz 5000 repeat 4000");
+  const Outcome outcome = run("openni2", {"--max-frames", "60"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const json camera = summary_of(folder_ / "out").at("camera");
   EXPECT_GT(camera.at("dropped"), 0);

@@ -98,6 +98,8 @@ void add_result_options(CLI::App& command, RunRequest& request) {
   command.add_option("--frames-every", request.pictures_every, "Only of every N-th frame")
       ->check(CLI::Range(1, 1000000));
   command.add_option("--video", request.video, "MP4 file with these pictures as a video");
+  command.add_option("--mcap", request.mcap,
+                     "File (.mcap) for Foxglove: pictures, poses, points, people and things");
   command.add_option("--record", request.record,
                      "File (.mcap) for the frames of this run, a bag that runs again");
   command.add_flag("--dump-map", request.dump_map, "Also write the map as text");

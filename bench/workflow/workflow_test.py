@@ -47,7 +47,13 @@ else:
         sys.exit("error: a run that cannot be")
     file(r).parent.mkdir(parents=True, exist_ok=True)
     part = file(r).with_suffix(f".{os.getpid()}")
-    part.write_text(json.dumps({"variant": r[1], "values": {"cpu_s": 2.0, "frames": 10}}))
+    options = dict(w.split("=") for w in a if "=" in w)
+    x, y = float(options.get("x", 1)), int(options.get("y", 8))
+    # Best at x = 3; y fits the noise of seed 1 alone.
+    ate = 0.01 + 0.002 * (x - 3) ** 2 + (0.001 * y if r[2] == "1" else -0.0001 * y)
+    lost = {} if "lost" in options and r[0] == "two" else {"ate_m.rmse": ate}
+    part.write_text(json.dumps({"sequence": r[0], "run": int(r[2]), "variant": r[1],
+                                "values": {"cpu_s": 2.0, "frames": 10, **lost}}))
     part.rename(file(r))
     with open(data / "made", "a") as f:
         f.write(name + "\n")
@@ -167,6 +173,9 @@ class Workflow(unittest.TestCase):
             ({"configurations": {"a": {"sets": []}}}, "sets"),
             ({"data": 3}, "data"),
             ({"seeds": 3}, "seeds"),
+            ({"runs": 0}, "runs"),
+            ({"retries": "two"}, "retries"),
+            ({"threads": True}, "threads"),
             ({"slam": "nowhere"}, "no program"),
         ):
             with self.subTest(word=word):
@@ -201,6 +210,82 @@ class Workflow(unittest.TestCase):
             self.assertIn("fr3_walking_xyz/full/ate_rmse_m", paper["groups"]["paper"]["figures"])
         costs = json.loads((self.out / "costs.json").read_text())
         self.assertEqual((costs["full"]["runs"], costs["full"]["frames"]), (2, 24))
+
+
+def with_scipy():
+    """A Python that has SciPy and YAML, or None."""
+    for python in (sys.executable, "/usr/bin/python3"):
+        if os.path.exists(python) and subprocess.run([python, "-c", "import scipy, yaml"], stderr=-3).returncode == 0:
+            return python
+    return None
+
+
+@unittest.skipUnless(shutil.which("snakemake"), "no snakemake here (Debian: apt-get install snakemake)")
+@unittest.skipUnless(with_scipy(), "no Python with SciPy here (Debian: apt-get install python3-scipy)")
+class Tune(unittest.TestCase):
+    setUp = Workflow.setUp
+    lines = Workflow.lines
+
+    def tune(self, **more):
+        plan = {
+            "data": "data",
+            "out": "out",
+            "slam": "slam",
+            "variant": "full",
+            "seeds": 1,
+            "held_out_seeds": 1,
+            "held_out_sequences": ["two"],
+            "options": {"x": [0.0, 5.0]},
+            "proposals": 15,
+            "seed": 4,
+            **more,
+        }
+        (self.root / "tune.yaml").write_text(json.dumps(plan))
+        command = [with_scipy(), "-B", HERE / "tune", self.root / "tune.yaml", "--cores", "8"]
+        return subprocess.run(list(map(str, command)), capture_output=True, text=True, env=self.environment)
+
+    def tuned(self):
+        return json.loads((self.out / "tuned.json").read_text())
+
+    def test_finds_what_is_better_and_sees_it_on_what_was_held_out(self):
+        done = self.tune()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        best = float(self.tuned()["best"][0].removeprefix("x="))
+        self.assertLess(abs(best - 3), 1.2)
+        for part in ("tuned_on", "held_out_seeds", "held_out_sequences"):
+            self.assertGreater(self.tuned()[part]["gain_per_cent"], 10, part)
+        # Everything is there: the same call runs nothing.
+        made = len(self.lines("made"))
+        self.assertEqual(self.tune().returncode, 0)
+        self.assertEqual(len(self.lines("made")), made)
+
+    def test_overfit_is_told(self):
+        done = self.tune(options={"y": [0, 9]}, proposals=5)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        result = self.tuned()
+        self.assertGreater(result["tuned_on"]["gain_per_cent"], 5)
+        self.assertLess(result["held_out_seeds"]["gain_per_cent"], 0)
+        self.assertGreater(result["overfit_per_cent"], 5)
+        self.assertIn("overfit or luck", done.stdout)
+
+    def test_nothing_better_is_told_as_well(self):
+        done = self.tune(options={"y": [9, 20]}, proposals=5)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("nothing better than the defaults", done.stdout)
+
+    def test_bad_plans_are_one_line(self):
+        for more in (
+            {"options": {}},
+            {"options": {"x": [3, 1]}},
+            {"options": {"x": 3}},
+            {"seeds": 0},
+            {"data": 1},
+            {"slam": "nowhere"},
+        ):
+            with self.subTest(more=more):
+                done = self.tune(**more)
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
 
 
 SLURM = {"slurmctld": "slurmctld", "slurmd": "slurmd", "munged": "munge", "sbatch": "slurm-client"}

@@ -47,16 +47,40 @@ RosNode::RosNode(ros::NodeHandle node, ros::NodeHandle private_node,
 
 void RosNode::subscribe() {
   pairs_.getPolicy()->setMaxIntervalDuration(ros::Duration(settings_.max_difference_s));
-  pairs_.connectInput(colour_, depth_, info_);
   pairs_.registerCallback(&RosNode::take, this);
-  colour_.subscribe(node_, "colour/image", kQueue);
-  depth_.subscribe(node_, "depth/image", kQueue);
+  if (settings_.compressed) {
+    subscribe_compressed();
+  } else {
+    pairs_.connectInput(colour_, depth_, info_);
+    colour_.subscribe(node_, "colour/image", kQueue);
+    depth_.subscribe(node_, "depth/image", kQueue);
+  }
   info_.subscribe(node_, "colour/camera_info", kQueue);
   constexpr std::uint32_t kSamples = 1000;  // some seconds of an IMU, while a frame is worked on
   if (settings_.use_imu) imu_ = node_.subscribe("imu", kSamples, &RosNode::sense_turning, this);
   if (settings_.use_odometry) {
     wheels_ = node_.subscribe("wheel_odometry", kSamples, &RosNode::sense_wheels, this);
   }
+}
+
+/// Topics as image_transport calls them. They are unpacked when their pair is worked on.
+void RosNode::subscribe_compressed() {
+  using Passed = message_filters::PassThrough<sensor_msgs::Image>;
+  const auto listen = [this](const std::string& topic, const char* transport, Passed& to) {
+    const boost::function<void(const sensor_msgs::CompressedImageConstPtr&)> take =
+        [&to](const sensor_msgs::CompressedImageConstPtr& packed) {
+          const auto image = boost::make_shared<sensor_msgs::Image>();
+          image->header = packed->header;
+          image->encoding = packed->format;
+          image->data = packed->data;
+          to.add(image);
+        };
+    return node_.subscribe<sensor_msgs::CompressedImage>(node_.resolveName(topic) + "/" + transport,
+                                                         kQueue, take);
+  };
+  pairs_.connectInput(passed_colour_, passed_depth_, info_);
+  packed_colour_ = listen("colour/image", "compressed", passed_colour_);
+  packed_depth_ = listen("depth/image", "compressedDepth", passed_depth_);
 }
 
 void RosNode::sense_turning(const sensor_msgs::ImuConstPtr& imu) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <message_filters/pass_through.h>
 #include <message_filters/subscriber.h>
 #include <message_filters/sync_policies/approximate_time.h>
 #include <message_filters/synchronizer.h>
@@ -14,6 +15,7 @@
 #include <ros/ros.h>
 #include <ros/spinner.h>
 #include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/Imu.h>
 #include <std_srvs/SetBool.h>
@@ -46,6 +48,7 @@ class RosNode {
   using Trigger = std_srvs::Trigger;
 
   void subscribe();
+  void subscribe_compressed();
   void take(const Image& colour, const Image& depth, const Info& info);
   bool start(const sensor_msgs::Image& colour, const sensor_msgs::CameraInfo& info);
   std::optional<PortPose> mounting(const std::string& camera_frame);
@@ -75,6 +78,8 @@ class RosNode {
   message_filters::Subscriber<sensor_msgs::Image> colour_, depth_;
   message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
   message_filters::Synchronizer<Policy> pairs_{Policy(10)};
+  ros::Subscriber packed_colour_, packed_depth_;  ///< into the next two, as pictures of no size
+  message_filters::PassThrough<sensor_msgs::Image> passed_colour_, passed_depth_;
   ros::Subscriber imu_, wheels_;
   std::vector<ros::ServiceServer> services_;
   ros::CallbackQueue aside_;  ///< of cloud and grid

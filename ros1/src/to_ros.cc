@@ -99,7 +99,8 @@ PortImage from_ros(const sensor_msgs::Image& image) {
           image.encoding,
           image.is_bigendian != 0,
           image.data.data(),
-          image.data.size()};
+          image.data.size(),
+          image.width == 0 && image.height == 0};
 }
 
 PortCalibration from_ros(const sensor_msgs::CameraInfo& info) {

@@ -26,6 +26,7 @@ geometry_msgs::TransformStamped transform_of(const PortPose& pose, const std_msg
 PortPose from_ros(const geometry_msgs::Transform& transform);
 
 /// Valid while the message lives.
+/// Of no size: a compressed one, whose format is `encoding`.
 PortImage from_ros(const sensor_msgs::Image& image);
 PortCalibration from_ros(const sensor_msgs::CameraInfo& info);
 sensor_msgs::Image image_of(PortPicture picture, const std_msgs::Header& header);

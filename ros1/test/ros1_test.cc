@@ -8,6 +8,7 @@
 #include <iomanip>
 #include <memory>
 #include <mutex>
+#include <sstream>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/PoseArray.h>
@@ -16,6 +17,7 @@
 #include <nav_msgs/OccupancyGrid.h>
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
+#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
@@ -32,38 +34,6 @@ namespace {
 
 const fs::path kSample = fs::path(YDD_SOURCE_DIR) / "samples/office_crowd";
 const std::string kDetector = (fs::path(YDD_SOURCE_DIR) / "configs/detector/ydd.yaml").string();
-
-/// All messages of a topic.
-template <class Message>
-class Heard {
- public:
-  explicit Heard(const std::string& topic)
-      : subscriber_(node_.subscribe<Message>(topic, 200, &Heard::take, this)) {}
-
-  std::size_t count() const {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return all_.size();
-  }
-  std::vector<Message> all() const {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return all_;
-  }
-  Message last() const { return all().back(); }
-  /// Whether what is published now would be heard.
-  bool connected() const {
-    return wait_for([&] { return subscriber_.getNumPublishers() > 0; }, 30);
-  }
-
- private:
-  void take(const boost::shared_ptr<const Message>& message) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    all_.push_back(*message);
-  }
-  mutable std::mutex mutex_;
-  std::vector<Message> all_;
-  ros::NodeHandle node_;
-  ros::Subscriber subscriber_;
-};
 
 class Ros1 : public testing::Test {
  protected:
@@ -280,6 +250,96 @@ TEST_F(Ros1, LocatesTheBaseOfARobot) {
       << "the map begins below the robot";
   EXPECT_NEAR(std::abs(first.orientation.w), 1, 1e-3);
   EXPECT_EQ(odometry.last().child_frame_id, "base_link");
+}
+
+TEST_F(Ros1, TakesCompressedPictures) {
+  start_node({"_detector:=none", "_compressed:=true"});
+  Heard<geometry_msgs::PoseWithCovarianceStamped> poses("/ydd_slam/pose");
+  PackedDriver camera;
+  const Recording recording(kSample);
+  ASSERT_TRUE(camera.somebody_listens() && poses.connected()) << node_->output();
+  std::size_t played = 0;
+  for (; played < 12; ++played) {  // one after the other: none is dropped
+    camera.publish(recording, played);
+    const std::size_t wanted = played + 1;
+    ASSERT_TRUE(wait_for([&] { return poses.count() >= wanted; }, 30)) << node_->output();
+  }
+  const auto& last = poses.last().pose.pose.position;
+  EXPECT_GT(length(last.x, last.y, last.z), 0.001) << "it has moved";
+}
+
+/// Where the camera truly was: x y z qx qy qz qw by stamp.
+std::vector<std::pair<double, std::vector<double>>> true_poses() {
+  std::vector<std::pair<double, std::vector<double>>> out;
+  std::ifstream in(kSample / "groundtruth.txt");
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    double stamp = 0;
+    std::vector<double> pose(7);
+    words >> stamp;
+    for (double& value : pose) words >> value;
+    if (words) out.emplace_back(stamp, pose);
+  }
+  return out;
+}
+
+const std::vector<double>& truth_at(
+    const std::vector<std::pair<double, std::vector<double>>>& poses, const ros::Time& stamp) {
+  return std::min_element(poses.begin(), poses.end(),
+                          [&](const auto& a, const auto& b) {
+                            return std::abs(a.first - stamp.toSec()) <
+                                   std::abs(b.first - stamp.toSec());
+                          })
+      ->second;
+}
+
+TEST_F(Ros1, GoesOnByWheelsWhileTheLensIsCovered) {
+  start_node({"_detector:=none", "_use_odometry:=true", "_use_imu:=true"});
+  Heard<geometry_msgs::PoseWithCovarianceStamped> poses("/ydd_slam/pose");
+  CameraDriver camera;
+  ros::NodeHandle node;
+  ros::Publisher wheels = node.advertise<nav_msgs::Odometry>("wheel_odometry", 1000);
+  const ros::Publisher imu = node.advertise<sensor_msgs::Imu>("imu", 1000);
+  const Recording recording(kSample);
+  ASSERT_TRUE(camera.somebody_listens() && poses.connected()) << node_->output();
+  ASSERT_TRUE(
+      wait_for([&] { return wheels.getNumSubscribers() > 0 && imu.getNumSubscribers() > 0; }, 30));
+  const auto truth = true_poses();
+  constexpr std::size_t kCovered = 20, kEnd = 35;
+  for (std::size_t i = 0; i < kEnd; ++i) {
+    auto colour = recording.colour(i);
+    auto depth = recording.depth(i);
+    nav_msgs::Odometry odometry;  // of wheels that do not slip, at the camera
+    odometry.header = colour.header;
+    const std::vector<double>& pose = truth_at(truth, colour.header.stamp);
+    odometry.pose.pose.position.x = pose[0];
+    odometry.pose.pose.position.y = pose[1];
+    odometry.pose.pose.position.z = pose[2];
+    odometry.pose.pose.orientation.x = pose[3];
+    odometry.pose.pose.orientation.y = pose[4];
+    odometry.pose.pose.orientation.z = pose[5];
+    odometry.pose.pose.orientation.w = pose[6];
+    wheels.publish(odometry);
+    if (i >= kCovered) {
+      std::fill(colour.data.begin(), colour.data.end(), std::uint8_t{0});
+      std::fill(depth.data.begin(), depth.data.end(), std::uint8_t{0});
+    }
+    // The wheels are heard before the pictures: another connection.
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    camera.publish(colour, depth, recording.info(i));
+    ASSERT_TRUE(wait_for([&] { return poses.count() > i; }, 30)) << i << node_->output();
+  }
+  const auto all = poses.all();
+  const auto& seen = all[kCovered - 1];
+  const auto& blind = all.back();
+  const std::vector<double>& from = truth_at(truth, seen.header.stamp);
+  const std::vector<double>& to = truth_at(truth, blind.header.stamp);
+  const double gone_m = length(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+  const auto& a = seen.pose.pose.position;
+  const auto& b = blind.pose.pose.position;
+  EXPECT_GT(gone_m, 0.03);
+  EXPECT_NEAR(length(b.x - a.x, b.y - a.y, b.z - a.z), gone_m, 0.02);
+  EXPECT_GT(blind.pose.covariance[0], seen.pose.covariance[0]) << "it knows less";
 }
 
 TEST_F(Ros1, CorrectsTheOdometryOfAnotherNode) {

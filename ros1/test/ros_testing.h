@@ -15,6 +15,8 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -23,6 +25,7 @@
 
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <opencv2/imgcodecs.hpp>
 
@@ -270,6 +273,75 @@ class CameraDriver {
  private:
   ros::NodeHandle node_;
   ros::Publisher colour_, depth_, info_;
+};
+
+/// What image_transport would publish.
+class PackedDriver {
+ public:
+  PackedDriver()
+      : colour_(node_.advertise<sensor_msgs::CompressedImage>("colour/image/compressed", 30)),
+        depth_(node_.advertise<sensor_msgs::CompressedImage>("depth/image/compressedDepth", 30)),
+        info_(node_.advertise<sensor_msgs::CameraInfo>("colour/camera_info", 30)) {}
+  bool somebody_listens() const {
+    return wait_for(
+        [&] { return colour_.getNumSubscribers() > 0 && depth_.getNumSubscribers() > 0; }, 30);
+  }
+  void publish(const Recording& recording, std::size_t i) {
+    info_.publish(recording.info(i));
+    const sensor_msgs::Image colour = recording.colour(i), depth = recording.depth(i);
+    depth_.publish(packed(depth, CV_16UC1, ".png", "16UC1; compressedDepth png", 12));
+    colour_.publish(packed(colour, CV_8UC3, ".jpg", "bgr8; jpeg compressed bgr8", 0));
+  }
+
+ private:
+  static sensor_msgs::CompressedImage packed(const sensor_msgs::Image& image, int type,
+                                             const char* ending, const char* format,
+                                             std::size_t head) {
+    const cv::Mat pixels(static_cast<int>(image.height), static_cast<int>(image.width), type,
+                         const_cast<std::uint8_t*>(image.data.data()));
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(ending, pixels, bytes);
+    sensor_msgs::CompressedImage out;
+    out.header = image.header;
+    out.format = format;
+    out.data.assign(head, 0);
+    out.data.insert(out.data.end(), bytes.begin(), bytes.end());
+    return out;
+  }
+  ros::NodeHandle node_;
+  ros::Publisher colour_, depth_, info_;
+};
+
+/// All messages of a topic.
+template <class Message>
+class Heard {
+ public:
+  explicit Heard(const std::string& topic)
+      : subscriber_(node_.subscribe<Message>(topic, 200, &Heard::take, this)) {}
+
+  std::size_t count() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return all_.size();
+  }
+  std::vector<Message> all() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return all_;
+  }
+  Message last() const { return all().back(); }
+  /// Whether what is published now would be heard.
+  bool connected() const {
+    return wait_for([&] { return subscriber_.getNumPublishers() > 0; }, 30);
+  }
+
+ private:
+  void take(const boost::shared_ptr<const Message>& message) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    all_.push_back(*message);
+  }
+  mutable std::mutex mutex_;
+  std::vector<Message> all_;
+  ros::NodeHandle node_;
+  ros::Subscriber subscriber_;
 };
 
 }  // namespace ydd::ros1_testing

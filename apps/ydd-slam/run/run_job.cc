@@ -101,6 +101,24 @@ void settle_detect_mode(Inputs& inputs) {
   if (!choice.message.empty()) log::info("{}", choice.message);
 }
 
+/// Who writes files while the run goes on.
+Result<Listeners> open_listeners(const Inputs& inputs) {
+  const RunRequest& request = inputs.request;
+  const Camera& camera = inputs.configuration.camera;
+  Listeners out;
+  auto pictures = RunPictures::open(request, camera, inputs.catalogue);
+  if (!pictures) return pictures.error();
+  out.pictures = *std::move(pictures);
+  auto recording = RunRecording::open(request.record, camera);
+  if (!recording) return recording.error();
+  out.recording = *std::move(recording);
+  if (out.recording) out.recording->add(inputs.motion);
+  auto foxglove = RunFoxglove::open(request);
+  if (!foxglove) return foxglove.error();
+  out.foxglove = *std::move(foxglove);
+  return out;
+}
+
 /// One line of all that went wrong; empty: nothing did.
 std::string joined(const std::string& a, const std::string& b) {
   return a.empty() || b.empty() ? a + b : a + "; " + b;
@@ -110,6 +128,7 @@ RunOutcome outcome_of(const RunResults& results, const std::string& write_failur
   const RunRecorder& recorder = results.listeners.recorder;
   std::string failure = joined(results.end.failure, results.listeners.pictures_failure);
   failure = joined(failure, results.listeners.recording_failure);
+  failure = joined(failure, results.listeners.foxglove_failure);
   return {results.folder,
           results.summary,
           recorder.timings_json(results.system),
@@ -131,14 +150,9 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   const Camera& camera = inputs->configuration.camera;
   Result<RunFolder> folder = RunFolder::make(request.out, inputs->sequence.name());
   if (!folder) return folder.error();
-  Listeners listeners;
-  auto pictures = RunPictures::open(request, camera, inputs->catalogue);
-  if (!pictures) return pictures.error();
-  listeners.pictures = *std::move(pictures);
-  auto recording = RunRecording::open(request.record, camera);
-  if (!recording) return recording.error();
-  listeners.recording = *std::move(recording);
-  if (listeners.recording) listeners.recording->add(inputs->motion);
+  Result<Listeners> opened = open_listeners(*inputs);
+  if (!opened) return opened.error();
+  Listeners& listeners = *opened;
 
   tell_pairing(inputs->sequence, inputs->configuration.sequence);
   tell_depth_shift(inputs->sequence, inputs->configuration.sequence);

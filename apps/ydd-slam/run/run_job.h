@@ -53,6 +53,7 @@ struct RunRequest {
   std::optional<std::string> depth_offset, depth_shift;
   std::optional<std::string> source;
   std::optional<std::string> camera_mode;  ///< of a camera that is looked through
+  std::string mcap;                        ///< file for Foxglove; empty: none
   std::string record;                      ///< bag to write what comes to; empty: none
   std::optional<std::string> topic_colour, topic_depth, topic_camera_info;  ///< of a bag
   ViewRequest view;

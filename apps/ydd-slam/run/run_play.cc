@@ -202,6 +202,7 @@ class Playback {
     if (live_) live_->publish(frame, *report);
     progress_.update(static_cast<std::size_t>(frame.index) + 1, state_text(*report, system_));
     if (listeners_.pictures) draw(frame, *report);
+    if (listeners_.foxglove) show_foxglove(frame, *report);
     return {};
   }
 
@@ -213,6 +214,15 @@ class Playback {
     listeners_.recording_failure = recorded.error().message;
     static_cast<void>(listeners_.recording->finish());  // which fails for the same reason
     listeners_.recording.reset();
+  }
+
+  void show_foxglove(const RgbdFrame& frame, const FrameReport& report) {
+    const Result<void> shown = listeners_.foxglove->add(frame, report, system_.atlas());
+    if (shown) return;
+    log::warning("frame {}: {}; no more for Foxglove", frame.index, shown.error().message);
+    listeners_.foxglove_failure = shown.error().message;
+    static_cast<void>(listeners_.foxglove->finish());
+    listeners_.foxglove.reset();
   }
 
   /// Pictures that cannot be written do not cost the trajectory.

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "run/run_foxglove.h"
 #include "run/run_job.h"
 #include "run/run_pictures.h"
 #include "run/run_recording.h"
@@ -35,6 +36,8 @@ struct Listeners {
   std::string pictures_failure;             ///< empty: they did not
   std::unique_ptr<RunRecording> recording;  ///< null: none is asked for, or it failed
   std::string recording_failure;            ///< empty: it did not
+  std::unique_ptr<RunFoxglove> foxglove;    ///< likewise
+  std::string foxglove_failure;
 };
 
 /// How a run ended.

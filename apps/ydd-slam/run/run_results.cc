@@ -132,6 +132,9 @@ void write_results(const RunResults& results, Attempts& attempts) {
   if (results.listeners.recording) {
     attempts.attempt([&] { return results.listeners.recording->finish(); });
   }
+  if (results.listeners.foxglove) {
+    attempts.attempt([&] { return results.listeners.foxglove->finish(); });
+  }
   if (results.listeners.pictures) {
     attempts.attempt([&] { return results.listeners.pictures->finish(); });
   }

@@ -84,6 +84,7 @@ class OpenNi2Stream : public LiveStream {
 
   std::optional<LivePair> next(std::chrono::milliseconds wait) override {
     const Clock::time_point until = Clock::now() + wait;
+    if (!std::exchange(asked_, true)) begin();
     do {
       watch_device();
       if (auto pair = take_pair()) return pair;
@@ -100,13 +101,20 @@ class OpenNi2Stream : public LiveStream {
 
   LiveCounts counts() const override {
     LiveCounts out = counts_;
-    out.dropped = queues_.colour.displaced();
+    out.dropped = queues_.colour.displaced() - before_;
     out.arrived = taken_ + out.dropped;
     out.unpaired = pairing_.unpaired();
     return out;
   }
 
  private:
+  /// What came while nobody was ready for it is no loss.
+  void begin() {
+    while (queues_.colour.try_pop()) continue;
+    before_ = queues_.colour.displaced();
+    newest_ = Clock::now();
+  }
+
   std::optional<LivePair> take_pair() {
     while (auto depth = queues_.depth.try_pop()) pairing_.add(*std::move(depth));
     auto pair = pairing_.take();
@@ -176,6 +184,8 @@ class OpenNi2Stream : public LiveStream {
   std::string complaint_;   ///< of the last attempt to start it again
   Clock::time_point newest_, unplugged_, looked_;
   bool pausing_ = false;
+  bool asked_ = false;                     ///< for a picture
+  std::int64_t before_ = 0;                ///< pictures that gave way until then
   std::unique_ptr<RunningDevice> device_;  ///< last: it stops before the queues go
 };
 

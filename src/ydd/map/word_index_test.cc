@@ -103,16 +103,16 @@ TEST(WordIndex, MadeAtOnceItHoldsTheSame) {
   std::mt19937 random(2);
   std::map<std::int64_t, Entry> kept;
   std::vector<Entry> entries;
-  for (std::int64_t serial = 0; serial < 5000; ++serial) {
-    kept[serial] = entry(serial, random_bag(random, 200, 5));
+  for (std::int64_t serial = 0; serial < 20000; ++serial) {
+    kept[serial] = entry(serial, random_bag(random, 200, 3));
     entries.push_back(kept[serial]);
   }
   std::shuffle(entries.begin(), entries.end(), random);
   WordIndex index(entries);
   EXPECT_GT(index.parts().size(), 1U);
   expect_holds(index, kept);
-  kept[5000] = entry(5000, random_bag(random, 400, 5));  // words that were not there yet
-  index.add(kept[5000]);
+  kept[20000] = entry(20000, random_bag(random, 400, 5));  // words that were not there yet
+  index.add(kept[20000]);
   index.remove(17, kept[17].keyframe);
   kept.erase(17);
   expect_holds(index, kept);

@@ -121,9 +121,9 @@ Image<T> numbers_of(const ImageMessage& image) {
 }
 
 /// A depth picture whose pixels `metres_of` gives in metres, whatever the camera says.
-DepthPicture metric_picture(const StoredMessage& message, int width, int height,
+DepthPicture metric_picture(const std::string& name, int width, int height,
                             const std::function<Result<DepthImage>()>& metres_of) {
-  return {message.name,
+  return {name,
           width,
           height,
           [metres_of](const Camera& camera) -> Result<DepthImage> {
@@ -155,7 +155,7 @@ Result<DepthPicture> depth_of_image(const StoredMessage& message) {
     return read_image(*bytes, wire).value();
   };
   if (!counts) {
-    return metric_picture(message, width, height,
+    return metric_picture(message.name, width, height,
                           [again]() -> Result<DepthImage> { return numbers_of<float>(again()); });
   }
   return DepthPicture{
@@ -177,6 +177,23 @@ DepthImage unquantised(const RawDepthImage& counts, float a, float b) {
   return {counts.width(), counts.height(), std::move(out)};
 }
 
+/// A picture that is_compressed_depth and has its head.
+Result<DepthPicture> unpacked_depth(const std::string& name, const CompressedImageMessage& image) {
+  if (image.format.find("rvl") != std::string_view::npos) {
+    return Error{name + ": is compressedDepth as RVL; record it as png"};
+  }
+  Result<DepthPicture> png = depth_picture(name, std::string(image.data.substr(kDepthHead)));
+  if (!png || !image.format.starts_with("32FC1")) return png;
+  const auto a = number_at<float>(image.data.data() + 4, false);
+  const auto b = number_at<float>(image.data.data() + 8, false);
+  return metric_picture(name, png->width_px, png->height_px,
+                        [counts_of = png->counts, a, b]() -> Result<DepthImage> {
+                          const Result<RawDepthImage> counts = counts_of();
+                          if (!counts) return counts.error();
+                          return unquantised(*counts, a, b);
+                        });
+}
+
 Result<DepthPicture> depth_of_compressed(const StoredMessage& message) {
   const auto image = read_compressed_image(*message.bytes, message.wire);
   if (!image || image->data.size() < kDepthHead) return damaged(message);
@@ -185,20 +202,7 @@ Result<DepthPicture> depth_of_compressed(const StoredMessage& message) {
                                               "--topic-depth",
                                               quote(image->format), kDepthIs));
   }
-  if (image->format.find("rvl") != std::string_view::npos) {
-    return message_error(message, "is compressedDepth as RVL; record it as png");
-  }
-  Result<DepthPicture> png =
-      depth_picture(message.name, std::string(image->data.substr(kDepthHead)));
-  if (!png || !image->format.starts_with("32FC1")) return png;
-  const auto a = number_at<float>(image->data.data() + 4, false);
-  const auto b = number_at<float>(image->data.data() + 8, false);
-  return metric_picture(message, png->width_px, png->height_px,
-                        [counts_of = png->counts, a, b]() -> Result<DepthImage> {
-                          const Result<RawDepthImage> counts = counts_of();
-                          if (!counts) return counts.error();
-                          return unquantised(*counts, a, b);
-                        });
+  return unpacked_depth(message.name, *image);
 }
 
 Result<void> check_lens(const CameraInfoMessage& info) {
@@ -285,6 +289,28 @@ Result<DepthImage> depth_of(const ImageMessage& image, const Camera& camera) {
   Camera in_mm = camera;
   in_mm.depth_scale = 1000;
   return to_metres(numbers_of<std::uint16_t>(image), in_mm);
+}
+
+Result<ColourImage> colour_of(const CompressedImageMessage& image) {
+  if (is_compressed_depth(image.format)) {
+    return Error{
+        fmt::format("colour images in {} are not read; JPEG and PNG are", quote(image.format))};
+  }
+  const Result<ColourPicture> picture = colour_picture("colour", std::string(image.data));
+  if (!picture) return picture.error();
+  return picture->decode();
+}
+
+Result<DepthImage> depth_of(const CompressedImageMessage& image, const Camera& camera) {
+  if (!is_compressed_depth(image.format) || image.data.size() < kDepthHead) {
+    return Error{fmt::format("depth images in {} are not read; compressedDepth as PNG is",
+                             quote(image.format))};
+  }
+  const Result<DepthPicture> picture = unpacked_depth("depth", image);
+  if (!picture) return picture.error();
+  Camera in_mm = camera;
+  in_mm.depth_scale = 1000;
+  return picture->metres(in_mm);
 }
 
 Result<DepthPicture> depth_of(const StoredMessage& message) {

@@ -45,6 +45,10 @@ Result<ColourImage> colour_of(const ImageMessage& image);
 /// become 0.
 Result<DepthImage> depth_of(const ImageMessage& image, const Camera& camera);
 
+/// The same of a picture that is compressed, as StoredMessage is read.
+Result<ColourImage> colour_of(const CompressedImageMessage& image);
+Result<DepthImage> depth_of(const CompressedImageMessage& image, const Camera& camera);
+
 /// A camera of a depth scale of 1000. `rectified`: of pictures that have no distortion any more (P
 /// instead of K and D). Fails for lenses that are not pinhole with k1, k2, p1, p2, k3, and for a
 /// camera that was never calibrated (all 0).

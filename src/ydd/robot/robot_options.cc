@@ -14,6 +14,7 @@ void RobotOptions::describe(OptionTable& t) {
   t.add("base_frame", base_frame, {}, "frame of the robot; empty: that of the camera");
   t.add("publish_tf", publish_tf, "publish map to odom");
   t.add("publish_odom_tf", publish_odom_tf, "publish odom to base; off: another node does");
+  t.add("compressed", compressed, "listen to compressed pictures instead of raw ones");
   t.add("use_imu", use_imu, "let the IMU of the topic imu predict the motion");
   t.add("use_odometry", use_odometry, "the same for the wheels of the topic wheel_odometry");
   t.add("map_file", map_file, {}, "map to go on with, and what load_map loads");

@@ -26,6 +26,7 @@ struct RobotOptions {
   std::string base_frame;       ///< empty: the camera is all there is of the robot
   bool publish_tf = true;       ///< map to odom, ...
   bool publish_odom_tf = true;  ///< ... and odom to base; off: somebody else does
+  bool compressed = false;      ///< pictures come as CompressedImage
   bool use_imu = false;         ///< listen to the topic imu, ...
   bool use_odometry = false;    ///< ... to wheel_odometry
   std::string map_file;         ///< to go on with; empty: none. Also what load_map loads

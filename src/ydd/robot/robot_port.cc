@@ -54,6 +54,13 @@ ImageMessage from_port(const PortImage& image) {
   return out;
 }
 
+CompressedImageMessage packed_from_port(const PortImage& image) {
+  CompressedImageMessage out;
+  out.format = image.encoding;
+  if (image.bytes) out.data = {reinterpret_cast<const char*>(image.bytes), image.size_bytes};
+  return out;
+}
+
 CameraInfoMessage from_port(const PortCalibration& c) {
   CameraInfoMessage out;
   out.width_px = static_cast<std::uint32_t>(c.width_px);
@@ -137,9 +144,9 @@ RobotPort::Opened RobotPort::open(const std::vector<std::string>& parameters) {
   auto state = std::make_unique<State>();
   state->options = *std::move(options);
   const RobotOptions& o = state->options;
-  state->settings = {o.map_frame,    o.odom_frame,       o.base_frame,
-                     o.publish_tf,   o.publish_odom_tf,  o.use_imu,
-                     o.use_odometry, o.max_difference_s, o.path_hz};
+  state->settings = {o.map_frame,       o.odom_frame, o.base_frame,   o.publish_tf,
+                     o.publish_odom_tf, o.use_imu,    o.use_odometry, o.max_difference_s,
+                     o.path_hz,         o.compressed};
   return {std::unique_ptr<RobotPort>(new RobotPort(std::move(state))), {}};
 }
 
@@ -177,9 +184,11 @@ PortAnswer RobotPort::start(const PortCalibration& calibration, const PortPose& 
 Result<RgbdFrame> RobotPort::State::frame_of(std::int64_t stamp_ns, const PortImage& colour,
                                              const PortImage& depth) const {
   const Camera& camera = slam->setup().camera;
-  Result<ColourImage> seen = colour_of(from_port(colour));
+  Result<ColourImage> seen =
+      colour.compressed ? colour_of(packed_from_port(colour)) : colour_of(from_port(colour));
   if (!seen) return seen.error();
-  Result<DepthImage> depth_m = depth_of(from_port(depth), camera);
+  Result<DepthImage> depth_m = depth.compressed ? depth_of(packed_from_port(depth), camera)
+                                                : depth_of(from_port(depth), camera);
   if (!depth_m) return depth_m.error();
   const auto fits = [&](const auto& image) {
     return image.width() == camera.width_px && image.height() == camera.height_px;

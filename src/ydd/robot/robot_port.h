@@ -28,6 +28,7 @@ struct PortImage {
   bool big_endian = false;
   const std::uint8_t* bytes = nullptr;
   std::size_t size_bytes = 0;
+  bool compressed = false;  ///< as sensor_msgs/CompressedImage has it: `encoding` is its format
 };
 
 /// As sensor_msgs/CameraInfo has it.
@@ -112,6 +113,7 @@ struct PortSettings {
   bool publish_tf = true, publish_odom_tf = true;
   bool use_imu = false, use_odometry = false;
   double max_difference_s = 0, path_hz = 0;
+  bool compressed = false;
 };
 
 /// What a service answers.
