@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: help deps configure build test demo bench check format tidy asan tsan faults fuzz \
-  mutants install package wheel clean
+  mutants install package wheel reference clean
 
 # How many compilers and tests run at once; sanitized compilers need about 1.5 GB each.
 JOBS ?= $(shell nproc)
@@ -82,6 +82,9 @@ package: configure  ## Debian packages in build/packages; tools/check-package tr
 wheel: configure  ## The Python module as a wheel for pip, in build/wheel (docs/python.md)
 	@cmake --build --preset release --parallel $(JOBS) --target ydd_python
 	@tools/make-wheel build
+
+reference:  ## Pages of all public names by Doxygen, in build/reference/html
+	@tools/make-reference
 
 clean:  ## Remove what was built (not runs/)
 	@rm -rf build build-*

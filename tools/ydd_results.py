@@ -38,6 +38,7 @@ UNITS = {
     "places": ("count", "lower", 0.5),  # false_places
     "frames": ("frames", "lower", 0.5),
     "dropped": ("frames", "lower", 0.5),
+    "speed": ("m/s", "lower", 0.01),  # an error of it
     "second": ("1/s", "higher", 0.5),  # frames_per_second
 }
 TIMES = ("ms", "1/s")  # figures that tell of the machine as well

@@ -184,6 +184,44 @@ class MeasureResults(Folder):
         self.assertEqual(group["machine"], results.machine())
         self.assertEqual(self.tool("compare-results", out, out).returncode, 0)
 
+    def test_reads_what_the_benches_write(self):
+        kind = {
+            "wanted": 4,
+            "found": 3,
+            "told": 3,
+            "false": 1,
+            "across_m": {"median": 0.1, "p95": 0.2},
+            "velocity_m_s": {"median": 0.1, "p95": 0.3},
+        }
+        documents = {
+            "tracks": ({"busy": kind}, "busy/found", 0.75),
+            "places": (
+                [{"world": "w", "top1_recall": 1, "verified_recall": 0.9, "verified_wrong": 2}],
+                "w/verified_false",
+                2,
+            ),
+            "scale": ({"series": [{"keyframes": 1005, "query_ms": 0.5}]}, "about 1000 keyframes/query_ms", 0.5),
+            "boxes": ([{"sequence": "s", "boxes": "none", "ate_rmse_m": [3, 1, 2]}], "s/none/ate_rmse_m", 2),
+            "motion": (
+                {
+                    "frames_to_find": [{"speed_m_s": 1.0, "distance_m": 2.5, "frames": [5, 7, 6]}],
+                    "rigid": {"false_alarms": 0},
+                },
+                "1.0 m per s at 2.5 m/frames",
+                6,
+            ),
+            "recovery": (
+                [{"accident": "a", "runs": 4, "found": 3, "frames": [1], "ate_rmse_m": [1], "false_places": 0}],
+                "a/found",
+                0.75,
+            ),
+        }
+        out = self.folder / "results.json"
+        for group, (document, name, median) in documents.items():
+            done = self.tool("measure-results", "--out", out, "--take", f"{group}=" + self.write("b.json", document))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(results.load(out)["groups"][group]["figures"][name]["median"], median)
+
     def test_a_bench_that_fails_is_named(self):
         out = self.folder / "results.json"
         done = self.tool("measure-results", "--slam", "/bin/false", "--out", out, "--only", "motion")

@@ -17,6 +17,7 @@
 /// they are wanted, so that memory holds the index and a chunk, however long the bag is.
 namespace ydd {
 
+/// A topic of a bag and what is on it.
 struct BagTopic {
   std::string name;  ///< "/camera/depth/image_raw"
   std::string type;  ///< "sensor_msgs/Image", "sensor_msgs/msg/Image"

@@ -55,6 +55,7 @@ class [[nodiscard]] Result {
   std::variant<T, Error> state_;
 };
 
+/// Of what gives nothing: done, or the reason why not.
 template <>
 class [[nodiscard]] Result<void> {
  public:

@@ -30,6 +30,7 @@ class LivePairing {
   void add(LiveColour colour);
   void add(LiveDepth depth);
 
+  /// Two pictures of the same moment.
   struct Pair {
     LiveColour colour;
     LiveDepth depth;

@@ -26,6 +26,7 @@ struct CameraDevice {
 /// Those that are plugged in.
 Result<std::vector<CameraDevice>> list_openni2_cameras();
 
+/// A device that gives pictures.
 struct OpenedCamera {
   std::shared_ptr<LiveStream> stream;
   std::string name;

@@ -23,6 +23,7 @@ class OpenNi2Runtime {
   OpenNi2Runtime(const OpenNi2Runtime&) = delete;
   OpenNi2Runtime& operator=(const OpenNi2Runtime&) = delete;
 
+  /// A device that is plugged in.
   struct Listed {
     std::string uri, name;
   };

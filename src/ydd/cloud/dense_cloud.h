@@ -10,11 +10,13 @@
 
 namespace ydd {
 
+/// A point of a dense cloud.
 struct CloudPoint {
   Eigen::Vector3f p_world;  ///< metres
   Bgr colour{};
 };
 
+/// How keyframes' pictures become a cloud.
 struct DenseCloudOptions {
   double voxel_m = 0.02;      ///< edge of the cubes in which points are averaged
   double max_depth_m = 4.0;   ///< farther readings of a camera like a Kinect are too coarse

@@ -10,6 +10,7 @@
 
 namespace ydd {
 
+/// How a map becomes a grid of the floor.
 struct GridOptions {
   double resolution_m = 0.05;  ///< edge of a cell
   double min_height_m = 0.15;  ///< above the floor: what is lower can be driven over

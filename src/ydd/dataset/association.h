@@ -9,6 +9,7 @@
 
 namespace ydd {
 
+/// What belongs together in two lists: an index into each.
 struct IndexPair {
   std::size_t a = 0;
   std::size_t b = 0;

@@ -10,6 +10,7 @@
 
 namespace ydd {
 
+/// How far frames are decoded ahead.
 struct PrefetchOptions {
   int depth = 4;    ///< decoded frames that wait (2.5 MB each at 640x480)
   int workers = 1;  ///< threads that decode; 0: `next` decodes itself

@@ -18,6 +18,7 @@
 
 namespace ydd {
 
+/// How a recording is read and paired.
 struct SequenceOptions {
   double max_difference_s = 0.02;
   int first_frame = 0;               ///< earlier ones are left out; this one then has index 0

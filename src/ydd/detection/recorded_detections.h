@@ -79,6 +79,7 @@ class DetectionRecording {
   std::vector<RecordedFrame> frames_;
 };
 
+/// How frames find what was recorded of them.
 struct RecordedDetectorOptions {
   double tolerance_s = 0.0005;    ///< largest distance in time between frame and recording
   bool missing_is_empty = false;  ///< a frame that is not recorded has no objects (else an error)

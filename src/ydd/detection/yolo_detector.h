@@ -19,6 +19,7 @@ struct YoloClass {
   float score_threshold = 0.3F;  ///< weaker detections are dropped
 };
 
+/// What a network of this kind is told.
 struct YoloSettings {
   std::vector<YoloClass> classes;
   std::optional<YoloKind> kind;                     ///< none: recognised from the outputs

@@ -11,6 +11,7 @@
 
 namespace ydd {
 
+/// How the absolute error is computed.
 struct AteOptions {
   double max_difference_s = 0.02;  ///< poses farther apart in time are no pair
   AlignmentScale scale = AlignmentScale::fixed;

@@ -9,6 +9,7 @@
 
 namespace ydd {
 
+/// How both errors are computed.
 struct EvaluationOptions {
   AteOptions ate;
   RpeOptions rpe;  ///< its scale is replaced by the one that the alignment found

@@ -11,6 +11,7 @@ namespace ydd {
 
 enum class RpeUnit { seconds, frames };
 
+/// How the relative error is computed.
 struct RpeOptions {
   double delta = 1.0;  ///< in `unit`; a whole number of frames
   RpeUnit unit = RpeUnit::seconds;

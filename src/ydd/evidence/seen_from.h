@@ -29,6 +29,7 @@ struct PointList {
 /// Another camera frame to look at points from, in single precision: this runs for every cell.
 class SeenFrom {
  public:
+  /// Where a point is in another frame.
   struct Place {
     float z_m = 0;             ///< along that frame's optical axis
     float x_px = 0, y_px = 0;  ///< of the image as it is taken there

@@ -9,6 +9,7 @@
 
 namespace ydd {
 
+/// How corners are found; describe() has the sentences.
 struct OrbOptions {
   int levels = 8;
   double scale_step = 1.2;

@@ -203,9 +203,11 @@ inline namespace plain {
 
 inline constexpr const char* kInstructionSet = "none";
 
+/// 32 lanes of 8 bits.
 struct U8 {
   std::uint8_t v[32];
 };
+/// 16 lanes of 16 bits.
 struct I16 {
   std::int16_t v[16];
 };

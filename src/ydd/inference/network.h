@@ -45,6 +45,7 @@ constexpr std::array<std::string_view, 4> choices_of(Precision) {
   return {"auto", "float32", "bfloat16", "float16"};
 }
 
+/// By what a network is run; describe() has the sentences.
 struct InferenceOptions {
   Backend backend = Backend::automatic;
   Device device = Device::cpu;

@@ -12,6 +12,7 @@
 
 namespace ydd {
 
+/// A setting of an operator, of one of these kinds.
 struct OnnxAttribute {
   std::vector<std::int64_t> integers;
   std::vector<float> floats;

@@ -23,6 +23,7 @@ struct OnnxTensor {
   std::int64_t size() const;  ///< product of dims
 };
 
+/// A tensor and what the graph calls it.
 struct NamedTensor {
   std::string name;
   OnnxTensor tensor;

@@ -13,6 +13,7 @@
 
 namespace ydd {
 
+/// How loops are found and closed; describe() has the sentences.
 struct LoopOptions {
   bool enabled = true;
   int candidates = 4;

@@ -13,6 +13,7 @@ namespace ydd {
 /// A change of the map, computed on a snapshot, as data. The owner of the map applies it; whatever
 /// is newer than the snapshot is carried along with its parent (docs/adr/0001).
 struct Correction {
+  /// Two keyframes of the same place, whose points become one.
   struct Junction {
     KeyFrameId current;  ///< keyframe whose surroundings are to be fused ...
     KeyFrameId matched;  ///< ... with the surroundings of this one

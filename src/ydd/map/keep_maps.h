@@ -20,6 +20,7 @@ struct PruneOptions {
   int min_points = 15;       ///< a keyframe that then sees fewer holds nothing together
 };
 
+/// What is left, and how much went.
 struct PrunedMap {
   Atlas atlas;
   std::size_t maps = 0, keyframes = 0, points = 0;  ///< that went

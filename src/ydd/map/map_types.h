@@ -38,6 +38,7 @@ struct MapPoint {
   int found = 1;                          ///< frames in which it was seen
 };
 
+/// Another keyframe that sees the same points.
 struct Covisible {
   KeyFrameId keyframe;
   int weight = 0;  ///< number of shared points

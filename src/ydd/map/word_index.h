@@ -24,6 +24,7 @@ namespace ydd {
 /// Thread: as the atlas: one owner edits, copies may be read from any thread.
 class WordIndex {
  public:
+  /// A keyframe of the index.
   struct Entry {
     std::int64_t serial = 0;  ///< of the keyframe
     KeyFrameId keyframe;
@@ -47,6 +48,7 @@ class WordIndex {
     std::uint16_t weight = 0;  ///< whole_weight
   };
 
+  /// Keyframes with the postings of their words; never changed.
   struct Segment {
     std::vector<Entry> entries;  ///< in the order of creation; never empty
     std::vector<Posting> postings;
@@ -58,6 +60,7 @@ class WordIndex {
     }
   };
 
+  /// A segment, and which of its entries have gone since.
   struct Part {
     std::shared_ptr<const Segment> segment;
     std::shared_ptr<const std::vector<bool>> gone;  ///< by entry; null: none is

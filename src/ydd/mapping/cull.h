@@ -9,6 +9,7 @@
 
 namespace ydd {
 
+/// Which points and keyframes go; describe() has the sentences.
 struct CullOptions {
   double min_found_ratio = 0.25;
   int probation_keyframes = 2;

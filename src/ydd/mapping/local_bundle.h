@@ -5,6 +5,7 @@
 
 namespace ydd {
 
+/// How far around a keyframe is refined.
 struct LocalBundleOptions {
   BundleOptions solver;
   int max_free_keyframes = 30;

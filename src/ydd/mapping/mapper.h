@@ -19,6 +19,7 @@
 
 namespace ydd {
 
+/// The settings of each step of mapping.
 struct MapperOptions {
   LocalBundleOptions bundle;
   CullOptions cull;

@@ -7,6 +7,7 @@
 
 namespace ydd {
 
+/// When two views make a point; describe() has the sentences.
 struct TriangulationOptions {
   int neighbours = 5;
   double min_baseline_m = 0.05;

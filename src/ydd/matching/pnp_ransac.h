@@ -8,6 +8,7 @@
 
 namespace ydd {
 
+/// How many samples, and what agrees with one.
 struct PnpRansacOptions {
   int iterations = 200;       ///< samples drawn at most
   double threshold_px = 4.0;  ///< inlier distance

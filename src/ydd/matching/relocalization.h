@@ -9,6 +9,7 @@
 
 namespace ydd {
 
+/// When a lost camera counts as found; describe() has the sentences.
 struct RelocalizationOptions {
   double match_ratio = 0.75;
   int min_matches = 15;

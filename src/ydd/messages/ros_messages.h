@@ -25,6 +25,7 @@ MessageKind message_kind(std::string_view type);
 inline constexpr std::size_t kHeaderStart = 16;
 std::optional<Timestamp> header_stamp(std::string_view start, Wire wire);
 
+/// sensor_msgs/Image; texts and data point into the message's bytes.
 struct ImageMessage {
   Timestamp stamp;
   std::string_view frame;  ///< of coordinates
@@ -35,6 +36,7 @@ struct ImageMessage {
   std::string_view data;
 };
 
+/// sensor_msgs/CompressedImage, likewise.
 struct CompressedImageMessage {
   Timestamp stamp;
   std::string_view frame;
@@ -42,6 +44,7 @@ struct CompressedImageMessage {
   std::string_view data;
 };
 
+/// sensor_msgs/CameraInfo.
 struct CameraInfoMessage {
   Timestamp stamp;
   std::string frame;
@@ -52,6 +55,7 @@ struct CameraInfoMessage {
   std::array<double, 12> p{};  ///< of the rectified picture
 };
 
+/// sensor_msgs/Imu.
 struct ImuMessage {
   Timestamp stamp;
   std::string_view frame;
@@ -59,6 +63,7 @@ struct ImuMessage {
   std::array<double, 3> turn_rad_s{}, acceleration_m_s2{};
 };
 
+/// nav_msgs/Odometry.
 struct OdometryMessage {
   Timestamp stamp;
   std::string_view frame, child_frame;

@@ -21,6 +21,7 @@ struct StoredMessage {
 
 /// What a picture shows, told by its encoding.
 enum class PictureUse { colour, grey, depth, neither };
+/// What a message shows, and by which encoding.
 struct PictureNature {
   PictureUse use = PictureUse::neither;
   std::string encoding;  ///< as the message says it; empty: it is damaged

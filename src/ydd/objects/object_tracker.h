@@ -20,6 +20,7 @@ struct ObjectTrack {
   int found = -1;              ///< index among the boxes of the last frame; -1: missed in it
 };
 
+/// When two boxes are one object, and how long one is missed.
 struct TrackOptions {
   double overlap = 0.3;  ///< intersection over union that makes two boxes the same object
   int seen = 3;          ///< an object that is missed goes on if it was detected so often, ...

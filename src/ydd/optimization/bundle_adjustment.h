@@ -14,10 +14,12 @@ namespace ydd {
 /// Poses and points that see each other. Knows no map: the mapper gathers it and applies the
 /// result.
 struct BundleProblem {
+  /// A camera of the problem.
   struct Pose {
     SE3 T_camera_world;
     bool fixed = false;
   };
+  /// A point that a camera sees.
   struct Observation {
     int pose = 0;             ///< index into poses
     int point = 0;            ///< index into points
@@ -29,6 +31,7 @@ struct BundleProblem {
   std::vector<Observation> observations;
 };
 
+/// How long is solved, and what is an outlier.
 struct BundleOptions {
   int robust_iterations = 5;  ///< with the Huber kernel, before outliers are set aside
   int final_iterations = 10;  ///< without them
@@ -38,6 +41,7 @@ struct BundleOptions {
   void describe(OptionTable& table);
 };
 
+/// The solution.
 struct BundleResult {
   std::vector<SE3> T_camera_world;      ///< one per pose
   std::vector<Eigen::Vector3d> points;  ///< one per point

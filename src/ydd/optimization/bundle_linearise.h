@@ -15,6 +15,7 @@ using Matrix63d = Eigen::Matrix<double, 6, 3>;
 
 /// The observations sorted by point, then pose, so that all that concerns a point lies together.
 struct Layout {
+  /// An observation of a point, by where it goes in the equations.
   struct Entry {
     int pose = 0;
     int column = -1;  ///< of the pose among the free ones; -1: fixed

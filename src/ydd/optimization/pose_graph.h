@@ -11,10 +11,12 @@ namespace ydd {
 
 /// Poses held together by measured relative motions: what closing a loop corrects.
 struct PoseGraph {
+  /// A pose of the graph.
   struct Node {
     SE3 T_world_node;
     bool fixed = false;
   };
+  /// A measured motion between two nodes.
   struct Edge {
     int from = 0;                                 ///< index into nodes
     int to = 0;                                   ///< index into nodes, another one
@@ -25,6 +27,7 @@ struct PoseGraph {
   std::vector<Edge> edges;
 };
 
+/// How long is solved.
 struct PoseGraphOptions {
   int iterations = 50;
   double relative_decrease = 1e-8;  ///< a step that lowers the cost by less is the last
@@ -32,6 +35,7 @@ struct PoseGraphOptions {
   void describe(OptionTable& table);
 };
 
+/// The solution.
 struct PoseGraphResult {
   std::vector<SE3> T_world_node;  ///< one per node
   double initial_cost = 0.0;      ///< 0.5 * sum of (robustified) squared weighted residuals

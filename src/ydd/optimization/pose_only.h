@@ -18,6 +18,7 @@ struct PoseObservation {
   double inv_sigma2 = 1.0;  ///< information of one coordinate, 1/px^2
 };
 
+/// How long is solved, and what is an outlier.
 struct PoseOnlyOptions {
   int rounds = 4;  ///< after each, observations are judged inlier or outlier anew
   int iterations_per_round = 10;
@@ -26,6 +27,7 @@ struct PoseOnlyOptions {
   void describe(OptionTable& table);
 };
 
+/// The solution.
 struct PoseOnlyResult {
   SE3 T_camera_world;
   std::vector<std::uint8_t> inlier;  ///< one per observation

@@ -18,6 +18,7 @@ inline Vector6d random_twist(std::mt19937& random, double translation_m, double 
   return twist;
 }
 
+/// What a camera sees of a made-up world, and how well.
 struct PoseSceneOptions {
   int observations = 200;
   double noise = 1.0;          ///< times the standard deviation that inv_sigma2 tells
@@ -26,6 +27,7 @@ struct PoseSceneOptions {
   unsigned seed = 1;
 };
 
+/// A camera in a made-up world, with the truth.
 struct PoseScene {
   Camera camera;
   SE3 T_camera_world;  ///< truth
@@ -64,6 +66,7 @@ inline PoseScene make_pose_scene(const PoseSceneOptions& options) {
   return scene;
 }
 
+/// The same of several cameras.
 struct BundleSceneOptions {
   int poses = 10;
   int points = 300;
@@ -76,6 +79,7 @@ struct BundleSceneOptions {
   unsigned seed = 1;
 };
 
+/// Several cameras in a made-up world, with the truth.
 struct BundleScene {
   Camera camera;
   BundleProblem truth;  ///< true poses and points, noisy observations

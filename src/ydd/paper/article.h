@@ -24,11 +24,13 @@ struct FigureSource {
   std::string key() const { return statistic.empty() ? quantity : quantity + "." + statistic; }
 };
 
+/// A column of a table of the article.
 struct ArticleColumn {
   std::string name;
   FigureSource source;
 };
 
+/// A row of a table of the article.
 struct ArticleRow {
   std::string name;
   FigureSource source;
@@ -48,6 +50,7 @@ struct ArticleTable {
   std::vector<ArticleRow> rows;
 };
 
+/// An article and its tables.
 struct Article {
   std::string source;  ///< where it was published
   std::vector<ArticleTable> tables;

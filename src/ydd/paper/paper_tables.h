@@ -25,6 +25,7 @@ struct PaperFigure {
   int runs = 0;
 };
 
+/// A figure of ours beside the article's.
 struct PaperCell {
   std::optional<PaperFigure> ours;
   std::optional<double> article;
@@ -32,6 +33,7 @@ struct PaperCell {
   Distance distance = Distance::unknown;
 };
 
+/// A row of a table of ours.
 struct PaperRow {
   std::string name;
   std::vector<PaperCell> cells;

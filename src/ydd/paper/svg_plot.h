@@ -17,6 +17,7 @@ struct PlotLine {
   bool dashed = false;
 };
 
+/// Lines in one pair of axes.
 struct Plot {
   std::string title, x_label, y_label;
   std::vector<PlotLine> lines;

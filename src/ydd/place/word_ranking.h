@@ -13,6 +13,7 @@ namespace ydd {
 
 /// The words of a query that are looked up.
 struct WordLookup {
+  /// A word that is looked up.
   struct Word {
     std::uint16_t word = 0;
     std::uint16_t weight = 0;  ///< WordIndex::whole_weight
@@ -28,6 +29,7 @@ struct WordLookup {
 /// are used up.
 WordLookup choose_words(const WordIndex& index, const BagOfWords& bag, std::size_t most_postings);
 
+/// A keyframe that shares words with the one asked about.
 struct PromisingKeyframe {
   const WordIndex::Entry* entry = nullptr;  ///< of the index
   double common = 0;                        ///< similarity by the words looked up

@@ -28,6 +28,7 @@ struct InertialPrior {
   Vector6d sum = Vector6d::Zero();
 };
 
+/// What the readings of some nodes tell.
 struct InertialFit {
   InertialState state;
   Eigen::Vector3d speed_m_s =

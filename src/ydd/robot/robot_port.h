@@ -14,6 +14,7 @@
 /// poses, people, clouds and grids come out, in the frames of REP 105 (x ahead, y left, z up).
 namespace ydd {
 
+/// A rigid motion.
 struct PortPose {
   std::array<double, 3> position_m{};
   std::array<double, 4> orientation{0, 0, 0, 1};  ///< quaternion x y z w
@@ -70,14 +71,17 @@ struct PortFrame {
   std::string tracks_json;  ///< one line, as in tracks.jsonl, map frame
 };
 
+/// A point of the map's frame.
 struct PortPoint {
   float x = 0, y = 0, z = 0;
   std::array<std::uint8_t, 3> bgr{};
 };
+/// The dense static cloud.
 struct PortCloud {
   std::string failure;  ///< empty: none
   std::vector<PortPoint> points;
 };
+/// Where a robot can go.
 struct PortGrid {
   std::string failure;
   double resolution_m = 0;
@@ -85,15 +89,18 @@ struct PortGrid {
   PortPose T_map_origin;           ///< of the corner of the first cell; tilted with a floor that is
   std::vector<std::int8_t> cells;  ///< row by row: -1 unknown, 0 free, 100 occupied
 };
+/// A pose of the path.
 struct PortStampedPose {
   std::int64_t stamp_ns = 0;
   PortPose T_map_robot;
 };
+/// A picture to be shown.
 struct PortPicture {
   int width_px = 0, height_px = 0;
   std::vector<std::uint8_t> bgr;  ///< row by row, without gaps
 };
 
+/// How large the map is.
 struct PortCounts {
   std::size_t keyframes = 0, points = 0;
   int loops = 0;
@@ -118,6 +125,7 @@ struct PortAnswer {
 /// Thread: one, but for `cloud` and `grid`, which may be called by another at the same time.
 class RobotPort {
  public:
+  /// A port, or why there is none.
   struct Opened {
     std::unique_ptr<RobotPort> port;  ///< null: see failure
     std::string failure;

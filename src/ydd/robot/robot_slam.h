@@ -20,6 +20,7 @@ namespace ydd {
 /// camera: x right, y down, z ahead), for a camera that looked straight ahead.
 SE3 axes_of_robots();
 
+/// What a system is made of.
 struct RobotSetup {
   Camera camera;
   SystemOptions options;

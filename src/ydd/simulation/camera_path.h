@@ -13,6 +13,7 @@ namespace ydd {
 /// is a path that jumps).
 using CameraPath = std::function<SE3(double time_s)>;
 
+/// A path and how long it takes.
 struct TimedPath {
   CameraPath T_world_camera;
   double round_s = 10.0;  ///< after this the path has shown what it is for

@@ -45,11 +45,13 @@ struct ArmPose {
   double spread = 0.12;  ///< away from the body
   double elbow = 0.25;
 };
+/// Angles of a leg's joints, radians.
 struct LegPose {
   double hip = 0;
   double knee = 0.05;
   double ankle = 0;
 };
+/// Where a person stands and how the limbs are.
 struct PersonPose {
   SE3 T_world_person;
   double hip_height_m = -1;  ///< negative: as high as the lower foot on the floor asks for

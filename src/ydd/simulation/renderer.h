@@ -19,11 +19,13 @@ struct RenderedPixel {
   float facing = 1;
 };
 
+/// A picture as it is before the sensor: row by row.
 struct Rendering {
   std::vector<Eigen::Array3f> colours;  ///< BGR, 255 is white, filtered over the pixel's area
   std::vector<RenderedPixel> pixels;
 };
 
+/// How finely is rendered.
 struct RenderOptions {
   int edge_samples = 4;
   int threads = 1;  ///< 0: all cores; pictures do not depend on it

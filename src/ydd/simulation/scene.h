@@ -50,6 +50,7 @@ struct Lamp {
   float power = 1.0F;
 };
 
+/// Everything that can be seen.
 struct Scene {
   std::vector<Texture> textures;
   std::vector<SceneObject> objects;

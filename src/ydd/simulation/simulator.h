@@ -24,6 +24,7 @@ struct SimulatedObject {
   int pixels = 0;  ///< visible ones
 };
 
+/// A frame and what is true of it.
 struct SimulatedFrame {
   RgbdFrame frame;
   SE3 T_world_camera;

@@ -14,6 +14,7 @@ namespace ydd {
 enum class ColourFormat { png, jpeg };
 constexpr std::array<std::string_view, 2> choices_of(ColourFormat) { return {"png", "jpeg"}; }
 
+/// How a sequence is written.
 struct TumWriterOptions {
   ColourFormat colour_format = ColourFormat::png;
   int jpeg_quality = 92;

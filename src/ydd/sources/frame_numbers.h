@@ -21,6 +21,7 @@ Timestamp frame_stamp(std::int64_t number);
 /// One line of log that says so.
 void tell_frame_rate(const std::filesystem::path& place);
 
+/// A picture file and what its name tells.
 struct NumberedFile {
   std::filesystem::path file;
   std::int64_t number = 0;         ///< of the frame, where the name is one

@@ -10,6 +10,7 @@
 /// What a source is to the table in source.cc, and those that there are. Inside this room only.
 namespace ydd::sources {
 
+/// A kind of recording.
 struct Layout {
   const char* name;  ///< what --source takes
   const char* what;  ///< how one looks, for help and errors

@@ -19,6 +19,7 @@ struct MoverOptions {
   int frames = 60;                ///< at 30 Hz
 };
 
+/// How well motion was found.
 struct FoundMotion {
   int frames_to_find = -1;  ///< from when it started until half of its cells are judged to move
   double found_share = 0;   ///< of its cells, in the last third of the sequence

@@ -28,6 +28,7 @@ struct CheckedLoop {
   bool is_false() const { return error_m > 0.2 || error_rad > 0.1; }
 };
 
+/// What became of a run, beside the truth.
 struct SimulatedRun {
   std::vector<SimulatedStep> steps;  ///< one per frame
   std::vector<CheckedLoop> loops;

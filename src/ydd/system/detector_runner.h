@@ -36,6 +36,7 @@ struct DetectOptions {
 /// throws is its answer's error.
 class DetectorRunner {
  public:
+  /// What the detector saw in a frame.
   struct Answer {
     std::int64_t frame = 0;  ///< index
     Result<Detections> detections = Detections{};
@@ -75,6 +76,7 @@ class AsynchronousDetection {
   AsynchronousDetection(std::unique_ptr<Detector> detector, const DetectOptions& options,
                         const ObjectCatalogue& catalogue = ObjectCatalogue::defaults());
 
+  /// Boxes for a frame.
   struct Boxes {
     Result<Detections> detections = Detections{};
     StageTimes times;  ///< of what the caller did, and "detect" for an answer that came

@@ -18,6 +18,7 @@ struct MapMerge {
   std::size_t overlapping = 0;  ///< of these: within 1 m and 30 degrees of one that was there
 };
 
+/// Both atlases in one.
 struct MergedMaps {
   Atlas atlas;
   std::vector<MapMerge> merges;

@@ -12,6 +12,7 @@ namespace ydd {
 /// than the colour camera. Thread: one.
 class RepeatedPictures {
  public:
+  /// What is to be thought of a frame.
   struct Verdict {
     bool stale = false;  ///< one picture is that of the frame before: nothing to keep
     std::string doubt;   ///< why it cannot be what the camera sees now; empty: no reason

@@ -10,6 +10,7 @@
 
 namespace ydd {
 
+/// When a frame is not believed; describe() has the sentences.
 struct DoubtOptions {
   bool enabled = true;
   double depth_factor = 3.0;

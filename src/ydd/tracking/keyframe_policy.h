@@ -5,6 +5,7 @@
 
 namespace ydd {
 
+/// When a frame is kept; describe() has the sentences.
 struct KeyframePolicyOptions {
   double max_interval_s = 1.0;
   double reference_ratio = 0.75;

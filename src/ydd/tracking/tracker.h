@@ -25,6 +25,7 @@ enum class TrackingState {
 };
 std::string_view to_string(TrackingState state);
 
+/// The settings of each step of tracking; describe() has the sentences.
 struct TrackerOptions {
   MatchLimits match;
   PoseOnlyOptions pose;
@@ -46,6 +47,7 @@ struct TrackerOptions {
   void describe(OptionTable& table);
 };
 
+/// What became of a frame.
 struct TrackResult {
   TrackingState state = TrackingState::initializing;
   SE3 T_world_camera;    ///< valid when the reference is

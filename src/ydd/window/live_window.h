@@ -10,6 +10,7 @@
 
 namespace ydd {
 
+/// How the window begins, and when it ends.
 struct LiveWindowOptions {
   int width_px = 1280;
   int height_px = 720;
