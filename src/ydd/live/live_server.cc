@@ -44,7 +44,7 @@ constexpr std::size_t kLongestSkipped = 65536;  // a longer body is not even rea
 constexpr int kJpegQuality = 80;
 constexpr const char* kTokenLetters =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
-constexpr std::chrono::seconds kFarewell{1};         // for pages that have asked within this time
+constexpr std::chrono::seconds kFarewell{2};         // for pages that have asked within this time
 constexpr const char* kFinished = "X-Ydd-Finished";  // header of answers after the last frame
 constexpr int kBadRequest = 400, kForbidden = 403, kWrongMethod = 405, kNoLength = 411,
               kTooLong = 413, kWrongRange = 416, kUnavailable = 503;
