@@ -122,6 +122,7 @@ TEST(Recording, WhatCannotBeWrittenIsOneLine) {
 }
 
 TEST(Recording, ADiskThatIsFullCostsTheRestOfIt) {
+  if (kSanitized) GTEST_SKIP() << "too few frames to fill a disk of more than one chunk";
   const TemporaryFolder folder;
   const std::string command = fmt::format(
       "ulimit -f 6000; '{}' run '{}' --detector none --out '{}' --record '{}'", YDD_BINARY,
