@@ -30,7 +30,7 @@ test: check configure  ## Build everything, run all tests: quick ones, end to en
 	@cmake --build --preset release --parallel $(JOBS)
 	ctest --test-dir build --output-on-failure --no-tests=error -L quick --parallel $(JOBS)
 	tools/check-install build
-	ctest --test-dir build --output-on-failure --no-tests=error -L e2e
+	ctest --test-dir build --output-on-failure --no-tests=error -L e2e --parallel $(JOBS)
 	ctest --test-dir build --output-on-failure --no-tests=error -L faults
 
 demo: build  ## Simulate a static and a busy room, run SLAM on both, print how far off it was
