@@ -35,8 +35,8 @@ Eigen::Vector3d gyro_bias_of(std::span<const InertialNode> nodes,
   Eigen::Matrix3d H = 1e-9 * Eigen::Matrix3d::Identity();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < between.size(); ++k) {
-    const Eigen::Quaterniond seen = nodes[k].T_world_imu.rotation().conjugate() *
-                                    nodes[k + 1].T_world_imu.rotation();
+    const Eigen::Quaterniond seen =
+        nodes[k].T_world_imu.rotation().conjugate() * nodes[k + 1].T_world_imu.rotation();
     const Eigen::Matrix3d& D = between[k].turn_by_gyro_bias;
     H += D.transpose() * D;
     b += D.transpose() * so3_log(between[k].sum.turn.conjugate() * seen);
@@ -180,7 +180,8 @@ std::optional<InertialProblem> InertialWindow::problem(const GatheredBundle& bun
   out.gravity_sigma_rad = sigma_after(learnt_->bundles, kGravity_rad);
   const auto pose_of = [&](const Node& node) {
     const auto found = std::find(bundle.keyframes.begin(), bundle.keyframes.end(), node.keyframe);
-    return found == bundle.keyframes.end() ? -1 : static_cast<int>(found - bundle.keyframes.begin());
+    return found == bundle.keyframes.end() ? -1
+                                           : static_cast<int>(found - bundle.keyframes.begin());
   };
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const int pose = pose_of(nodes_[k]);

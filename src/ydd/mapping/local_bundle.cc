@@ -8,8 +8,7 @@ namespace ydd {
 namespace {
 
 void add_free_poses(const Atlas& atlas, KeyFrameId centre, const LocalBundleOptions& options,
-                    std::span<const KeyFrameId> along, PoseIndex& index,
-                    GatheredBundle& gathered) {
+                    std::span<const KeyFrameId> along, PoseIndex& index, GatheredBundle& gathered) {
   add_pose(atlas, centre, atlas.is_first(centre), index, gathered);
   for (const KeyFrameId id : along) {
     if (!index.has(id)) add_pose(atlas, id, atlas.is_first(id), index, gathered);

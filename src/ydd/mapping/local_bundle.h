@@ -16,7 +16,8 @@ struct LocalBundleOptions {
 };
 
 /// The keyframe and those that share most points with it are free, all points they see are free,
-/// other keyframes that see these points hold the frame of reference. Those of `along` are free, too.
+/// other keyframes that see these points hold the frame of reference. Those of `along` are free,
+/// too.
 GatheredBundle gather_local_bundle(const Atlas& atlas, KeyFrameId keyframe,
                                    const LocalBundleOptions& options,
                                    std::span<const KeyFrameId> along = {});
