@@ -7,8 +7,8 @@
 
 namespace ydd {
 
-/// Right Jacobian of a rotation vector: `exp(v + d) = exp(v) * exp(J * d)` for a small d (Forster et
-/// al., T-RO 2017, equation 8).
+/// Right Jacobian of a rotation vector: `exp(v + d) = exp(v) * exp(J * d)` for a small d (Forster
+/// et al., T-RO 2017, equation 8).
 inline Eigen::Matrix3d so3_right_jacobian(const Eigen::Vector3d& v) {
   const double angle2 = v.squaredNorm();
   const Eigen::Matrix3d V = skew(v);

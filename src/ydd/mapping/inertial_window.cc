@@ -14,6 +14,7 @@ namespace {
 constexpr double kLongestLink_s = 10.0;
 constexpr std::size_t kLeastNodes = 5;  // and so long, for gravity and biases
 constexpr double kLeastSpan_s = 1.5;
+constexpr double kMostBias_m_s2 = 1.5;  // of an accelerometer that is mounted as it is said
 
 /// How sure biases and gravity are at first, and when many bundles have taught them: they may go on
 /// changing slowly.
@@ -42,6 +43,18 @@ Eigen::Vector3d gyro_bias_of(std::span<const InertialNode> nodes,
     b += D.transpose() * so3_log(between[k].sum.turn.conjugate() * seen);
   }
   return between.front().gyro_bias_rad_s + H.ldlt().solve(b);
+}
+
+/// Whether gyroscope and camera tell of the same turns. They do not where the mounting is wrong, or
+/// one clock is late.
+bool turns_agree(std::span<const InertialNode> nodes, std::span<const Preintegrated> sums) {
+  constexpr double kMost_rad = 0.03;
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    const Eigen::Quaterniond seen =
+        nodes[k].T_world_imu.rotation().conjugate() * nodes[k + 1].T_world_imu.rotation();
+    if (seen.angularDistance(sums[k].turn) > kMost_rad) return false;
+  }
+  return true;
 }
 
 /// The speed at which one goes from `from` to `to`.
@@ -148,7 +161,8 @@ void InertialWindow::learn_gravity(const Atlas& atlas) {
     }
   }
   const std::optional<InertialFit> fit = fit_inertial(seen, sums, {});
-  if (!fit) return;
+  if (!fit || !turns_agree(seen, sums) || fit->state.accel_bias_m_s2.norm() > kMostBias_m_s2)
+    return;
   learnt_ = Learnt{fit->state.gravity_m_s2, 0};
   accel_bias_m_s2_ = fit->state.accel_bias_m_s2;
   for (std::size_t k = 0; k + 1 < nodes_.size(); ++k) {

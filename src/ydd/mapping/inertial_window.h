@@ -26,7 +26,8 @@ struct InertialOptions {
 /// Samples are kept, not sums: where a keyframe is culled, the next link reaches over it, and every
 /// bundle adds up with the newest biases. Keyframes that follow each other by more than ten seconds
 /// or in another map begin a new window. Saved maps hold nothing of it: a run that goes on in one
-/// learns gravity again, within seconds.
+/// learns gravity again, within seconds. While gyroscope and camera tell of other turns (a wrong
+/// mounting, a clock that is late) nothing is learnt, and bundles are those of vision alone.
 /// Thread: one, the mapper's. Deterministic.
 class InertialWindow {
  public:

@@ -143,6 +143,16 @@ TEST(InertialWindow, TurnsWithTheMap) {
             1e-9);
 }
 
+TEST(InertialWindow, LearnsNothingFromAnImuThatIsMountedOtherwise) {
+  CarriedWindow w;
+  for (ImuSample& s : w.samples) {
+    s.gyro_rad_s = Eigen::Vector3d(s.gyro_rad_s.z(), s.gyro_rad_s.x(), s.gyro_rad_s.y());
+    s.accel_m_s2 = Eigen::Vector3d(s.accel_m_s2.z(), s.accel_m_s2.x(), s.accel_m_s2.y());
+  }
+  w.walk(20);
+  EXPECT_FALSE(w.window.knows_gravity());
+}
+
 TEST(InertialWindow, WithoutSamplesThereAreNoLinks) {
   CarriedWindow w;
   w.samples.clear();

@@ -46,12 +46,12 @@ struct BundleOptions {
 
 /// The solution.
 struct BundleResult {
-  std::vector<SE3> T_camera_world;      ///< one per pose
-  std::vector<Eigen::Vector3d> points;  ///< one per point
-  std::vector<std::uint8_t> inlier;     ///< one per observation
+  std::vector<SE3> T_camera_world;           ///< one per pose
+  std::vector<Eigen::Vector3d> points;       ///< one per point
+  std::vector<std::uint8_t> inlier;          ///< one per observation
   std::optional<InertialUnknowns> inertial;  ///< if the problem has inertial links
-  double initial_cost = 0.0;            ///< 0.5 * sum of robustified squared residuals
-  double final_cost = 0.0;              ///< the same over all observations at the solution
+  double initial_cost = 0.0;                 ///< 0.5 * sum of robustified squared residuals
+  double final_cost = 0.0;                   ///< the same over all observations at the solution
   int iterations = 0;
   bool interrupted = false;  ///< `stop` was requested; the best state so far is given
 };

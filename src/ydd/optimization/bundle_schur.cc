@@ -159,8 +159,7 @@ std::optional<Eigen::VectorXd> SchurSolver::Reduced::factorise_and_solve(const B
   const Eigen::LLT<Eigen::MatrixXd> llt(left);
   if (llt.info() != Eigen::Success) return std::nullopt;
   Eigen::VectorXd solution(poses->size() + left.cols());
-  solution.tail(left.cols()) =
-      llt.solve(-border.gradient - border.coupling.transpose() * *poses);
+  solution.tail(left.cols()) = llt.solve(-border.gradient - border.coupling.transpose() * *poses);
   solution.head(poses->size()) = *poses - by_border * solution.tail(left.cols());
   if (!solution.allFinite()) return std::nullopt;
   return solution;

@@ -20,8 +20,8 @@ struct Step {
 
 /// Solves the damped normal equations by eliminating the points (Schur complement; Triggs et al.,
 /// Bundle adjustment - a modern synthesis, 2000, section 6.1). The reduced system of the poses is
-/// factorised by TileCholesky, its pattern found once. Further unknowns, if there are any, are found
-/// from what eliminating the poses leaves of their own equations.
+/// factorised by TileCholesky, its pattern found once. Further unknowns, if there are any, are
+/// found from what eliminating the poses leaves of their own equations.
 class SchurSolver {
  public:
   explicit SchurSolver(const Layout& layout);

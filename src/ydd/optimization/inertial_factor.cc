@@ -67,9 +67,8 @@ LinkError link_error(const InertialProblem& problem, const InertialLink& link,
   const Vector3d gyro = x.gyro_bias_rad_s - m.gyro_bias_rad_s;
   by_turn.middleCols<6>(kFrom) = -J * b.R.transpose() * a.R * a.turn_by_twist;
   by_turn.middleCols<6>(kTo) = J * b.turn_by_twist;
-  by_turn.middleCols<3>(kGlobal) = -J * off.transpose() *
-                                   so3_right_jacobian(m.turn_by_gyro_bias * gyro) *
-                                   m.turn_by_gyro_bias;
+  by_turn.middleCols<3>(kGlobal) =
+      -J * off.transpose() * so3_right_jacobian(m.turn_by_gyro_bias * gyro) * m.turn_by_gyro_bias;
   by_speed.middleCols<6>(kFrom) = skew(gained) * a.turn_by_twist;
   by_speed.middleCols<3>(kSpeedFrom) = -R_a_world;
   by_speed.middleCols<3>(kSpeedTo) = R_a_world;

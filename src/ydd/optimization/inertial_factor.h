@@ -27,7 +27,7 @@ struct InertialLink {
 struct InertialProblem {
   SE3 T_camera_imu;
   std::vector<InertialLink> links;
-  InertialUnknowns start;  ///< also the mean of the prior
+  InertialUnknowns start;                                            ///< also the mean of the prior
   double gyro_bias_sigma_rad_s = 0.01, accel_bias_sigma_m_s2 = 0.2;  ///< of the prior
   double gravity_sigma_rad = 0.1;
 };

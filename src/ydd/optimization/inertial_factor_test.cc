@@ -30,8 +30,8 @@ struct InertialScene {
 /// Somebody looks round in a cloud of points: a pose each quarter of a second, the first is fixed.
 InertialScene walk_with_imu(int poses, double noise_px, int points = 500) {
   InertialScene scene;
-  const auto samples = carried_sensor::imu(0.0, (poses + 1) * kEvery_s,
-                                           {kGyroBias, kAccelBias, 0.004, 0.02, 7});
+  const auto samples =
+      carried_sensor::imu(0.0, (poses + 1) * kEvery_s, {kGyroBias, kAccelBias, 0.004, 0.02, 7});
   InertialProblem inertial;
   inertial.T_camera_imu = kT_camera_imu;
   for (int i = 0; i < poses; ++i) {
@@ -158,8 +158,8 @@ TEST(InertialFactor, HoldsPosesThatHardlySeeAnything) {
   without.inertial.reset();
   const double seen_m = worst_place_m(
       scene.truth, solve_bundle(scene.camera, without, BundleOptions()).T_camera_world);
-  const double felt_m = worst_place_m(
-      scene.truth, solve_bundle(scene.camera, with, BundleOptions()).T_camera_world);
+  const double felt_m =
+      worst_place_m(scene.truth, solve_bundle(scene.camera, with, BundleOptions()).T_camera_world);
   EXPECT_LT(felt_m, 0.5 * seen_m) << seen_m << " m without";
 }
 
