@@ -78,7 +78,12 @@ def main() -> None:
     a("judge", type=pathlib.Path)
     a("--slam", type=pathlib.Path, required=True)
     a("--detector", type=pathlib.Path, default=pathlib.Path("../configs/detector/ydd.yaml"))
-    a("--set", nargs="*", default=["", "networks.*.precision=int8"], help="one column for each; several settings by commas")
+    a(
+        "--set",
+        nargs="*",
+        default=["", "networks.*.precision=int8"],
+        help="one column for each; several settings by commas",
+    )
     args = ap.parse_args()
     pictures, columns = judged(args.judge), []
     with tempfile.TemporaryDirectory() as t:
