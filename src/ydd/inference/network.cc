@@ -25,7 +25,9 @@ SessionResult make_quickest_session(std::string_view onnx, const InferenceOption
   SessionResult quick = make_onednn_session(onnx, options);
   if (quick) return quick;
   log::debug("oneDNN does not take this network: {}", quick.error().message);
-  if (options.precision == Precision::bfloat16) return quick.error();
+  if (options.precision == Precision::bfloat16 || options.precision == Precision::int8) {
+    return quick.error();
+  }
   if (!options.onnxruntime.empty()) return make_onnxruntime_session(onnx, options);
   return make_opencv_session(onnx, options);
 }
@@ -139,7 +141,7 @@ void InferenceOptions::describe(OptionTable& table) {
   table.add("device", device, "cuda needs backend opencv and an OpenCV that was built with it");
   table.add("precision", precision,
             "auto: bfloat16 where the processor multiplies matrices of it (AMX), else float32; "
-            "bfloat16 needs backend onednn, float16 device cuda");
+            "bfloat16 and int8 need backend onednn, int8 also `ranges`, float16 device cuda");
   table.add("threads", threads, {1, 64}, "",
             "processor cores for one picture; tracking needs the others");
   table.add("onnxruntime", onnxruntime, {},

@@ -34,9 +34,7 @@ float alpha_of(const Layer& layer) {
 
 dnnl::primitive_attr attributes_of(const Layer& layer, bool activates, bool adds) {
   dnnl::post_ops after_it;
-  if (activates && layer.activation != Activation::none) {
-    after_it.append_eltwise(1.0F, algorithm_of(layer.activation), alpha_of(layer), 0.0F);
-  }
+  if (activates && layer.activation != Activation::none) append_activation(after_it, layer, 1.0F);
   if (adds && layer.residual) after_it.append_sum(1.0F);
   dnnl::primitive_attr attributes;
   attributes.set_post_ops(after_it);
@@ -75,6 +73,10 @@ std::optional<Convolution::primitive_desc> ask(const ConvolutionProblem& problem
 }
 
 }  // namespace
+
+void append_activation(dnnl::post_ops& after_it, const Layer& layer, float scale) {
+  after_it.append_eltwise(scale, algorithm_of(layer.activation), alpha_of(layer), 0.0F);
+}
 
 memory::dims dims_of(const std::array<int, 2>& pair, int less) {
   return {pair[0] - less, pair[1] - less};

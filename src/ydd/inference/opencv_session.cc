@@ -92,8 +92,9 @@ Result<void> choose_target(cv::dnn::Net& net, const InferenceOptions& options) {
   const bool half = options.precision == Precision::float16;
   if (options.device == Device::cpu) {
     if (half) return Error{"precision float16 needs 'device: cuda'"};
-    if (options.precision == Precision::bfloat16) {
-      return Error{"precision bfloat16 needs 'backend: onednn'"};
+    if (options.precision == Precision::bfloat16 || options.precision == Precision::int8) {
+      return Error{
+          fmt::format("precision {} needs 'backend: onednn'", to_string(options.precision))};
     }
     net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
     net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
