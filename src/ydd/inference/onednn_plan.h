@@ -10,6 +10,9 @@
 
 namespace ydd {
 
+/// Whether oneDNN has quick kernels for this processor at all. Debian's has none for ARM without
+/// SVE.
+bool onednn_has_kernels();
 bool onednn_has_bfloat16();        ///< with AVX-512
 bool onednn_has_quick_bfloat16();  ///< with AMX; without it 32-bit floats are quicker
 
