@@ -158,6 +158,7 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   tell_depth_shift(inputs->sequence, inputs->configuration.sequence);
   settle_detect_mode(*inputs);
   const bool has_detector = inputs->detector != nullptr;
+  const std::string device = has_detector ? inputs->detector->device() : "";
   SlamSystem system(camera, inputs->configuration.options, inputs->catalogue,
                     std::move(inputs->detector), std::move(inputs->map));
   if (auto r = prepare_run_map(request, system); !r) return r.error();
@@ -178,11 +179,13 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
                      listeners,
                      *end,
                      folder->path(),
+                     has_detector,
+                     device,
                      {},
                      {}};
   Attempts attempts;
   results.groundtruth_file = place_groundtruth(results, attempts);
-  results.summary = summary_of(results, has_detector, wall_s);
+  results.summary = summary_of(results, wall_s);
   write_results(results, attempts);
   folder->keep();
   return outcome_of(results, attempts.failures());

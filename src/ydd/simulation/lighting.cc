@@ -28,8 +28,6 @@ float lamp_share(const Lamp& lamp, const Vector3& to_lamp, const Vector3& n) {
 }
 
 bool occluded(RTCScene scene, const Vector3& from, const Vector3& ray, float reach) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRay r{};
   r.org_x = from.x();
   r.org_y = from.y();
@@ -40,7 +38,7 @@ bool occluded(RTCScene scene, const Vector3& from, const Vector3& ray, float rea
   r.tnear = 0.0F;
   r.tfar = reach;
   r.mask = ~0U;
-  rtcOccluded1(scene, &context, &r);
+  find_occluded(scene, r);
   return r.tfar < 0;
 }
 

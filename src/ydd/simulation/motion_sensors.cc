@@ -78,9 +78,10 @@ std::vector<OdometryPose> sense_odometry(const Path& path, Timestamp start, doub
     const SE3 T_world_base = path(t_s) * T_camera_base;
     const SE3 step = T_world_last.inverse() * T_world_base;
     const double rough = kRough * options.odometry_slip;
-    T_odom_base =
-        T_odom_base * SE3(so3_exp((turn + rough * random.normal()) * so3_log(step.rotation())),
-                          (way + rough * random.normal()) * step.translation());
+    const double way_here = way + rough * random.normal();
+    const double turn_here = turn + rough * random.normal();
+    T_odom_base = T_odom_base *
+                  SE3(so3_exp(turn_here * so3_log(step.rotation())), way_here * step.translation());
     T_world_last = T_world_base;
     out.push_back({stamp_at(start, t_s), T_odom_base});
   }
