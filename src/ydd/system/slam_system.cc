@@ -97,6 +97,17 @@ void SlamSystem::wait_for_mapper(FrameReport& report) {
   mapping_->wait_for_frames_before({report.stamp.ns - lag_ns});
 }
 
+void SlamSystem::add(const ImuSample& sample) {
+  reckoning_.add(sample);
+  if (!options_.mapping.inertial.enabled) return;
+  // No keyframe for long means that no link will be made of what came first.
+  constexpr std::size_t kMost = 20000;
+  if (imu_for_mapping_.size() >= kMost) {
+    imu_for_mapping_.erase(imu_for_mapping_.begin(), imu_for_mapping_.begin() + kMost / 2);
+  }
+  imu_for_mapping_.push_back(sample);
+}
+
 void SlamSystem::look_for_motion(const RgbdFrame& frame,
                                  const std::shared_ptr<const Features>& features,
                                  FrameReport& report) {
@@ -187,9 +198,11 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, Frame
   std::optional<KeyFrameCandidate> candidate = std::exchange(report.track.candidate, {});
   if (candidate) {
     StageTimer timer(report.times, "submit_keyframe");
+    candidate->imu = imu_for_mapping_;
     const Result<bool> taken = mapping_->submit(std::move(*candidate));
     if (!taken) return taken.error();
     report.keyframe = *taken;
+    if (*taken) imu_for_mapping_.clear();
   }
   const bool has_pose =
       report.track.state == TrackingState::tracking || report.track.reference.valid();
@@ -216,6 +229,7 @@ void SlamSystem::reset() {
   evidence_.clear();
   followed_.clear();
   reckoning_.clear();
+  imu_for_mapping_.clear();
   if (asynchronous_) asynchronous_->forget();
   repeated_pictures_ = {};
   trajectory_.clear();

@@ -63,7 +63,7 @@ class SlamSystem {
 
   /// What motion sensors say, in the order of time and up to a frame before that frame; mountings
   /// are options (`reckoning`).
-  void add(const ImuSample& sample) { reckoning_.add(sample); }
+  void add(const ImuSample& sample);
   void add(const OdometryPose& pose) { reckoning_.add(pose); }
 
   /// For recordings that are played faster than a camera would: a frame waits for a mapper that is
@@ -129,6 +129,7 @@ class SlamSystem {
   Tracker tracker_;
   FollowedObjects followed_;
   DeadReckoning reckoning_;
+  std::vector<ImuSample> imu_for_mapping_;  ///< that no keyframe has taken along
   std::unique_ptr<MappingRunner> mapping_;
   std::unique_ptr<DetectorRunner> detector_;             // of every frame
   std::unique_ptr<AsynchronousDetection> asynchronous_;  // or this

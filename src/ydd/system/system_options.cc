@@ -34,6 +34,7 @@ SystemOptions SystemOptions::resolved() const {
   SystemOptions result = *this;
   result.tracking.close_depth_m = close_depth_m;
   result.mapping.close_depth_m = close_depth_m;
+  result.mapping.inertial.T_camera_imu = reckoning.T_camera_imu;
   result.mapping.cull.close_depth_m = close_depth_m;
   result.loop.limits = tracking.match;  // matches and poses by the same rules as tracking
   result.loop.pose = tracking.pose;

@@ -78,7 +78,7 @@ TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_i
       return finish_coasting(std::move(bare), atlas, std::move(result), kDepthContradicts);
     }
   }
-  if (std::optional<TrackResult> reckoned = finish_reckoned(frame, result)) return *reckoned;
+  if (std::optional<TrackResult> reckoned = finish_reckoned(frame, atlas, result)) return *reckoned;
   if (doubt_.pending() && !doubt_.lasts_too_long(frame.stamp)) {
     return finish_doubted(std::move(frame), atlas, std::move(result), doubt_.reason());
   }

@@ -131,7 +131,9 @@ class Tracker {
   TrackResult finish_lost(TrackedFrame frame, const Atlas& atlas, TrackResult result);
   TrackResult finish_doubted(TrackedFrame frame, const Atlas& atlas, TrackResult result,
                              std::string doubt);  // a copy: often the reason that is replaced
-  std::optional<TrackResult> finish_reckoned(TrackedFrame frame, const TrackResult& failed);
+  std::optional<TrackResult> finish_reckoned(TrackedFrame frame, const Atlas& atlas,
+                                             const TrackResult& failed);
+  bool looks_through_the_map(const TrackedFrame& frame, const Atlas& atlas) const;
   void map_reckoned(TrackedFrame frame, TrackResult& result);
   bool shows_enough(const TrackedFrame& frame) const;
   bool is_reckoned(const TrackedFrame& frame) const;
