@@ -27,7 +27,7 @@ struct Inputs {
   Sequence sequence;
   ObjectCatalogue catalogue;
   std::unique_ptr<Detector> detector;  ///< null: none
-  std::optional<Atlas> map;
+  RunMap map;
   MotionSamples motion;
 };
 
@@ -73,8 +73,7 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
     if (!by_default) return detector.error();
     return Error{detector.error().message + " (" + default_detector_origin() + ")"};
   }
-  Result<std::optional<Atlas>> map =
-      open_run_map(*request, configuration.camera, configuration.options);
+  Result<RunMap> map = open_run_map(*request, configuration.camera, configuration.options);
   if (!map) return map.error();
   Result<MotionSamples> motion =
       run_motion(*request, sequence->recording(), configuration.options.reckoning);
@@ -159,8 +158,8 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   settle_detect_mode(*inputs);
   const bool has_detector = inputs->detector != nullptr;
   const std::string device = has_detector ? inputs->detector->device() : "";
-  SlamSystem system(camera, inputs->configuration.options, inputs->catalogue,
-                    std::move(inputs->detector), std::move(inputs->map));
+  SlamSystem system = make_run_system(camera, inputs->configuration.options, inputs->catalogue,
+                                      std::move(inputs->detector), std::move(inputs->map));
   if (auto r = prepare_run_map(request, system); !r) return r.error();
   const std::int64_t start_ns = wall_clock_ns();
   const PlayInput input{inputs->sequence, camera, request, inputs->catalogue, inputs->motion};

@@ -88,6 +88,7 @@ Json to_json(const LoopCounts& counts) {
   return {{"keyframes_left_out", counts.keyframes_left_out},
           {"full_bundles", counts.full_bundles},
           {"full_bundles_merged", counts.full_bundles_merged},
+          {"full_bundles_begun_anew", counts.full_bundles_begun_anew},
           {"corrections_rebased", counts.rebased},
           {"corrections_refused", counts.refused},
           {"interrupted", counts.interrupted}};

@@ -8,6 +8,10 @@ void MapOptions::describe(OptionTable& t) {
         "keyframes keep a small picture without what moves, for dense clouds: 20 to 60 kB each");
   t.add("autosave_s", autosave_s, {0.0, 86400.0}, "s",
         "time between saves to the file that --save-map names; 0: at the end only");
+  t.add(
+      "near_keyframes", near_keyframes, {0, 1'000'000}, "",
+      "with --localization-only, of a larger map only about so many keyframes near the camera are "
+      "in memory; 0: all of it");
 }
 
 void SystemOptions::describe(OptionTable& t) {

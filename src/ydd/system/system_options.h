@@ -20,6 +20,7 @@ namespace ydd {
 struct MapOptions {
   bool pictures = true;
   double autosave_s = 5.0;
+  int near_keyframes = 1000;
   void describe(OptionTable& table);
 };
 

@@ -138,9 +138,9 @@ void Tracker::refresh_last_frame(const Atlas& atlas) {
   if (!last_) return;  // lost since the start
   // The mapper may have moved the reference, merged points, or made a keyframe of the last frame.
   const KeyFrameId newest = atlas.newest_keyframe();
-  const KeyFrame& keyframe = atlas.at(newest);
-  if (keyframe.shared_features == last_->shared_features) {
-    last_->points = keyframe.points;
+  const KeyFrame* const keyframe = atlas.find(newest);  // null: not in this part of the map
+  if (keyframe && keyframe->shared_features == last_->shared_features) {
+    last_->points = keyframe->points;
     last_reference_ = newest;
     T_reference_last_ = SE3();
   }
@@ -148,8 +148,10 @@ void Tracker::refresh_last_frame(const Atlas& atlas) {
     const SE3 T_world_last = *T_world_reference * T_reference_last_;
     last_->T_camera_world = T_world_last.inverse();
     // A culled reference can be no fallback and has no neighbours: go on with the one it hangs on.
-    if (!atlas.find(last_reference_)) {
-      last_reference_ = atlas.nearest_kept(last_reference_);
+    // One that is not in this part of the map has a place, and nothing that it hangs on.
+    const KeyFrameId kept = atlas.nearest_kept(last_reference_);
+    if (kept.valid() && kept != last_reference_) {
+      last_reference_ = kept;
       T_reference_last_ = atlas.at(last_reference_).T_world_camera.inverse() * T_world_last;
     }
   }
@@ -271,6 +273,7 @@ bool Tracker::contradicted(const Atlas& atlas, const Eigen::Vector3d& p_world,
 
 void Tracker::count_views(const Atlas& atlas, const LocalMap& local, const LocalSearch& search,
                           const TrackedFrame& frame) {
+  if (localization_only_) return;  // nobody is told
   const auto entry = [&](MapPointId id) -> Views& {
     if (views_.size() <= id.slot) views_.resize(id.slot + 1);
     Views& views = views_[id.slot];
