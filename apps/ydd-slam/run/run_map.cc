@@ -9,10 +9,17 @@
 
 namespace ydd::app {
 
-Result<std::optional<Atlas>> open_run_map(const RunRequest& request, const Camera& camera,
-                                          const SystemOptions& options) {
+Result<MapKey> run_map_key(const RunRequest& request) {
+  // Who watches can save a map that the request does not name.
+  const bool watched = request.view.window || request.serve;
+  const bool wanted = watched || !request.map.empty() || !request.save_map.empty();
+  return wanted ? MapKey::find(request.map_key) : Result(MapKey());
+}
+
+Result<std::optional<Atlas>> open_run_map(const RunRequest& request, const MapKey& key,
+                                          const Camera& camera, const SystemOptions& options) {
   if (request.map.empty()) return std::optional<Atlas>();
-  Result<Atlas> atlas = load_map(request.map);
+  Result<Atlas> atlas = load_map(request.map, key);
   if (!atlas) return atlas.error();
   auto same = check_same_camera(atlas->camera(), camera);
   if (same) {
@@ -33,7 +40,8 @@ Result<std::optional<Atlas>> open_run_map(const RunRequest& request, const Camer
   return std::optional<Atlas>(std::move(*atlas));
 }
 
-Result<void> prepare_run_map(const RunRequest& request, SlamSystem& system) {
+Result<void> prepare_run_map(const RunRequest& request, const MapKey& key, SlamSystem& system) {
+  system.set_map_key(key);
   system.set_localization_only(request.localization_only);
   return request.save_map.empty()
              ? Result<void>()

@@ -21,7 +21,8 @@ using map_format::Row;
 /// Reads tables and remembers what their rows add up to.
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& file) : database_(file, Database::Mode::read) {
+  Reader(const std::filesystem::path& file, const MapKey& key)
+      : database_(file, Database::Mode::read, key) {
     database_.run("BEGIN");                        // everything from one save, whoever is writing
     database_.expect_tables(map_format::kTables);  // before the check, which computes what it finds
     if (std::string check = database_.text("PRAGMA quick_check(1)"); check != "ok") {
@@ -148,11 +149,12 @@ void read_points(Reader& reader, AtlasParts& parts) {
 
 }  // namespace
 
-std::pair<Atlas, map_format::HeldRows> map_format::read_rows(const std::filesystem::path& file) {
-  check_header(file);
+std::pair<Atlas, map_format::HeldRows> map_format::read_rows(const std::filesystem::path& file,
+                                                             const MapKey& key) {
+  check_header(file, key);
   try {
-    recover(file);
-    Reader reader(file);
+    recover(file, key);
+    Reader reader(file, key);
     AtlasParts parts;
     const Totals totals = read_atlas_row(reader.atlas_row(), parts);
     read_keyframes(reader, parts);
@@ -167,14 +169,16 @@ std::pair<Atlas, map_format::HeldRows> map_format::read_rows(const std::filesyst
     Result<Atlas> atlas = Atlas::restore(std::move(parts));
     if (!atlas) throw Fault(atlas.error().message);
     return {std::move(*atlas), reader.held()};
+  } catch (const Refused&) {
+    throw;
   } catch (const Fault& fault) {
     throw Fault(fmt::format("is damaged ({}); go back to a copy of it", fault.what()));
   }
 }
 
-Result<Atlas> load_map(const std::filesystem::path& file) {
+Result<Atlas> load_map(const std::filesystem::path& file, const MapKey& key) {
   try {
-    return map_format::read_rows(file).first;
+    return map_format::read_rows(file, key).first;
   } catch (const std::exception& fault) {  // also what the file system has to say
     return Error{fmt::format("{}: {}", file.string(), fault.what())};
   }

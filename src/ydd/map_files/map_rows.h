@@ -47,6 +47,6 @@ std::int64_t write_rows(Database& database, const Atlas& atlas, const Atlas* bef
 
 /// The map in a file and the rows that it was read from. @throws Fault as load_map fails, without
 /// the name.
-std::pair<Atlas, HeldRows> read_rows(const std::filesystem::path& file);
+std::pair<Atlas, HeldRows> read_rows(const std::filesystem::path& file, const MapKey& key = {});
 
 }  // namespace ydd::map_format
