@@ -59,10 +59,11 @@ Matrix6d covariance_of(const FrameReport& report, const Atlas& atlas, const SE3&
   return 0.5 * (out + out.transpose());
 }
 
-Result<std::optional<Atlas>> open_map(const std::filesystem::path& file, const Camera& camera,
-                                      const SystemOptions& options) {
+Result<std::optional<Atlas>> open_map(const std::filesystem::path& file, const RobotSetup& setup) {
   if (file.empty()) return std::optional<Atlas>();
-  Result<Atlas> atlas = load_map(file);
+  const Camera& camera = setup.camera;
+  const SystemOptions& options = setup.options;
+  Result<Atlas> atlas = load_map(file, setup.map_key);
   if (!atlas) return atlas.error();
   auto same = check_same_camera(atlas->camera(), camera);
   if (same) {
@@ -102,7 +103,7 @@ Result<void> RobotSlam::save_by_itself() {
 
 Result<std::unique_ptr<SlamSystem>> RobotSlam::make_system(const RobotSetup& setup,
                                                            const std::filesystem::path& map_file) {
-  Result<std::optional<Atlas>> map = open_map(map_file, setup.camera, setup.options);
+  Result<std::optional<Atlas>> map = open_map(map_file, setup);
   if (!map) return map.error();
   std::unique_ptr<Detector> detector;
   if (setup.make_detector) {
@@ -110,8 +111,10 @@ Result<std::unique_ptr<SlamSystem>> RobotSlam::make_system(const RobotSetup& set
     if (!made) return made.error();
     detector = *std::move(made);
   }
-  return std::make_unique<SlamSystem>(setup.camera, setup.options, setup.catalogue,
-                                      std::move(detector), *std::move(map));
+  auto system = std::make_unique<SlamSystem>(setup.camera, setup.options, setup.catalogue,
+                                             std::move(detector), *std::move(map));
+  system->set_map_key(setup.map_key);
+  return system;
 }
 
 void RobotSlam::forget() {

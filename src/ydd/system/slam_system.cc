@@ -9,6 +9,7 @@
 #include "ydd/base/guard.h"
 #include "ydd/base/log.h"
 #include "ydd/dynamics/evidence_rules.h"
+#include "ydd/dynamics/people_boxes.h"
 #include "ydd/map/compatible.h"
 
 namespace ydd {
@@ -110,6 +111,7 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame, std::optional<De
   if (detector_ && !given) detector_->start(frame);
   const auto features = std::make_shared<const Features>(extract(frame, report));
   look_for_motion(frame, features, report);  // while the detector still works
+  report.looked = given || detector_;
   Result<Detections> detections = given ? *std::move(given) : ask_detector(frame, report);
   if (!detections) return detections.error();
   report.detections = std::move(*detections);
@@ -216,6 +218,14 @@ Result<Detections> SlamSystem::ask_detector(const RgbdFrame& frame, FrameReport&
   return std::move(answer.detections);
 }
 
+PictureSource SlamSystem::picture_of(const RgbdFrame& frame, const FrameReport& report) const {
+  PictureSource source{frame.colour, frame.depth_m, report.judgement.regions, report.odds};
+  if (options_.map.behind_people) return source;
+  source.people = people_boxes(report.detections, report.judgement, judge_.catalogue());
+  source.looked = report.looked;
+  return source;
+}
+
 Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, FrameReport& report) {
   TrackedFrame tracked;
   tracked.index = frame.index;
@@ -227,8 +237,7 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, Frame
   tracked.stale = repeated.stale;
   tracked.doubt = repeated.doubt;
   if (options_.map.pictures) {
-    tracked.picture = std::make_shared<const PictureSource>(
-        PictureSource{frame.colour, frame.depth_m, report.judgement.regions, report.odds});
+    tracked.picture = std::make_shared<const PictureSource>(picture_of(frame, report));
   }
   {
     StageTimer timer(report.times, "grid");
@@ -300,7 +309,7 @@ Error only_a_part(const std::filesystem::path& file) {
 
 Result<void> SlamSystem::autosave_to(const std::filesystem::path& file, Replacing replacing) {
   if (nearby_) return only_a_part(file);
-  Result<MapWriter> writer = MapWriter::open(file, replacing);
+  Result<MapWriter> writer = MapWriter::open(file, replacing, map_key_);
   if (!writer) return writer.error();
   return guarded(file.native(), [&]() -> Result<void> {
     saver_ = std::make_unique<MapSaver>(std::move(*writer), options_.map.autosave_s);
@@ -313,7 +322,7 @@ Result<void> SlamSystem::save_map(const std::filesystem::path& file) {
   if (saver_ && saver_->file() == map_file_target(file)) {
     return saver_->save(atlas());
   }
-  return ydd::save_map(*atlas(), file);
+  return ydd::save_map(*atlas(), file, Replacing::lesser, map_key_);
 }
 
 MapId SlamSystem::main_map() const {

@@ -29,6 +29,7 @@ struct FrameReport {
   bool keyframe = false;
   int requested = 0;  ///< features asked for
   Detections detections;
+  bool looked = false;                     ///< for objects, in this very frame
   std::shared_ptr<const MotionOdds> odds;  ///< that surfaces move; null unless asked for
   Judgement judgement;
   std::shared_ptr<const FilteredFeatures> filtered;
@@ -92,6 +93,9 @@ class SlamSystem {
   void set_localization_only(bool on);
   bool localization_only() const { return tracker_.localization_only(); }
 
+  /// What encrypts the files of the two functions below from their next call on; empty (as it
+  /// begins): nothing does.
+  void set_map_key(MapKey key) { map_key_ = std::move(key); }
   /// From now on saves the map to `file` every `map.autosave_s` seconds, from a snapshot and in a
   /// thread of its own. Failure: as MapWriter::open. Later failures are logged.
   Result<void> autosave_to(const std::filesystem::path& file,
@@ -136,6 +140,7 @@ class SlamSystem {
                        FrameReport& report);
   void judge(const RgbdFrame& frame, const Features& features, FrameReport& report);
   void look_for_place(FrameReport& report);
+  PictureSource picture_of(const RgbdFrame& frame, const FrameReport& report) const;
   Result<void> track(const RgbdFrame& frame, const Atlas& known, FrameReport& report);
   void settle_evidence(FrameReport& report);
   void follow_objects(const RgbdFrame& frame, const Atlas& known, FrameReport& report);
@@ -156,6 +161,7 @@ class SlamSystem {
   std::unique_ptr<DetectorRunner> detector_;             // of every frame
   std::unique_ptr<AsynchronousDetection> asynchronous_;  // or this
   std::unique_ptr<MapSaver> saver_;
+  MapKey map_key_;
   std::vector<TrajectoryEntry> trajectory_;
   RepeatedPictures repeated_pictures_;
   bool patient_ = false;

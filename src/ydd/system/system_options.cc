@@ -6,6 +6,9 @@ namespace ydd {
 void MapOptions::describe(OptionTable& t) {
   t.add("pictures", pictures,
         "keyframes keep a small picture without what moves, for dense clouds: 20 to 60 kB each");
+  t.add("behind_people", behind_people,
+        "these pictures keep what is seen in the box of a person but lies behind; denser clouds, "
+        "and some pixels of people");
   t.add("autosave_s", autosave_s, {0.0, 86400.0}, "s",
         "time between saves to the file that --save-map names; 0: at the end only");
   t.add(

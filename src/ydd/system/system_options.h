@@ -19,6 +19,7 @@ namespace ydd {
 /// What is kept of the map besides what tracking needs, and when it is saved.
 struct MapOptions {
   bool pictures = true;
+  bool behind_people = false;  ///< in pictures: what lies in the box of a person, but farther away
   double autosave_s = 5.0;
   int near_keyframes = 1000;
   void describe(OptionTable& table);
