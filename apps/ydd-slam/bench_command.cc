@@ -72,8 +72,13 @@ void add_seed_bench(CLI::App& parent, Job& job, const std::string& name, const s
   auto* command = parent.add_subcommand(name, what);
   if (bench == &bench_places) {
     command->add_option("sequences", request->sequences, "Recordings with ground truth to add");
+    command->add_option("--apart", request->apart_s, "Seconds between two looks at a place")
+        ->check(CLI::Range(0.5, 3600.0))
+        ->capture_default_str();
   }
-  command->add_option("--seeds", request->seeds, "How many worlds")->check(CLI::Range(1, 10000));
+  const int fewest = bench == &bench_places ? 0 : 1;
+  command->add_option("--seeds", request->seeds, "How many worlds")
+      ->check(CLI::Range(fewest, 10000));
   command->add_option("--first-seed", request->first_seed, "Seed of the first")
       ->check(CLI::Range(0, 1000000));
   if (bench == &bench_recovery) {

@@ -43,6 +43,7 @@ Json to_json(const SessionFigures& s) {
           {"ate_m", s.ate_m},
           {"map_m", s.map_m},
           {"place_m", s.place_m},
+          {"found_m", s.found_m},
           {"loops", s.loops},
           {"merges", s.merges},
           {"false_loops", s.false_loops},

@@ -59,8 +59,10 @@ MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token
     apply_bundle(atlas_, gathered,
                  solve_bundle(atlas_.camera(), gathered.problem, options_.bundle.solver, stop));
   });
-  report.keyframes_culled =
-      timed("cull_keyframes", [&] { return cull_redundant_keyframes(atlas_, id, options_.cull); });
+  report.keyframes_culled = timed("cull_keyframes", [&] {
+    const int redundant = cull_redundant_keyframes(atlas_, id, options_.cull);
+    return redundant + cull_crowded_place(atlas_, id, options_.cull);
+  });
   return report;
 }
 

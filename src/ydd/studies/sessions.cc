@@ -121,12 +121,14 @@ void compare_with_truth(const Atlas& atlas, Truth& truth, const StampedPoses& po
   if (!alignment || !alignment->unique) return;
   figures.map_m = alignment->rmse_m;
   if (!ate) return;
-  double sum = 0;
-  for (const IndexPair& pair : ate->pairs) {
-    sum += (*alignment * poses[pair.b].T_world_camera.translation() -
+  const auto off_m = [&](const IndexPair& pair) {
+    return (*alignment * poses[pair.b].T_world_camera.translation() -
             true_poses[pair.a].T_world_camera.translation())
-               .squaredNorm();
-  }
+        .norm();
+  };
+  double sum = 0;
+  for (const IndexPair& pair : ate->pairs) sum += off_m(pair) * off_m(pair);
+  figures.found_m = off_m(ate->pairs.front());
   figures.place_m = std::sqrt(sum / static_cast<double>(ate->pairs.size()));
 }
 

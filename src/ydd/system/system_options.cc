@@ -22,6 +22,8 @@ void SystemOptions::describe(OptionTable& t) {
   t.group("tracks", tracks);
   t.add("close_depth_m", close_depth_m, {0.1, 100.0}, "m",
         "nearer readings become points at once and count when keyframes are compared");
+  t.add("revisit_s", revisit_s, {1.0, 1e9}, "s",
+        "keyframes so much older are of an earlier visit: the place is known, and few are added");
   t.add("deterministic", deterministic, "map in the tracking thread: two runs give equal bytes");
 }
 
@@ -31,6 +33,8 @@ SystemOptions SystemOptions::resolved() const {
   result.tracking.close_depth_m = close_depth_m;
   result.mapping.close_depth_m = close_depth_m;
   result.mapping.cull.close_depth_m = close_depth_m;
+  result.mapping.cull.revisit_s = revisit_s;
+  result.tracking.keyframe.revisit_s = revisit_s;
   result.loop.limits = tracking.match;  // matches and poses by the same rules as tracking
   result.loop.pose = tracking.pose;
   if (deterministic && detect.latency_frames == 0) {

@@ -36,6 +36,8 @@ struct SystemOptions {
   WorldTrackOptions tracks;
   /// Readings up to here tell of their point's place by themselves: they become points at once.
   double close_depth_m = 3.0;
+  /// What was seen so long ago belongs to an earlier visit of a place.
+  double revisit_s = 60.0;
   bool deterministic = false;
 
   void describe(OptionTable& table);
