@@ -65,8 +65,10 @@ MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token
     apply_bundle(atlas_, gathered, result);
     inertial_.take(gathered, result);
   });
-  report.keyframes_culled =
-      timed("cull_keyframes", [&] { return cull_redundant_keyframes(atlas_, id, options_.cull); });
+  report.keyframes_culled = timed("cull_keyframes", [&] {
+    const int redundant = cull_redundant_keyframes(atlas_, id, options_.cull);
+    return redundant + cull_crowded_place(atlas_, id, options_.cull);
+  });
   return report;
 }
 

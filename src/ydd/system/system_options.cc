@@ -33,6 +33,8 @@ void SystemOptions::describe(OptionTable& t) {
       "mapping_lag_s", mapping_lag_s, {0.0, 60.0}, "s",
       "recordings that are played flat out wait for a mapper that is further behind, in their own "
       "time; at a camera's pace (--realtime, cameras, ROS) nothing waits");
+  t.add("revisit_s", revisit_s, {1.0, 1e9}, "s",
+        "keyframes so much older are of an earlier visit: the place is known, and few are added");
   t.add("deterministic", deterministic, "map in the tracking thread: two runs give equal bytes");
 }
 
@@ -43,6 +45,8 @@ SystemOptions SystemOptions::resolved() const {
   result.mapping.close_depth_m = close_depth_m;
   result.mapping.inertial.T_camera_imu = reckoning.T_camera_imu;
   result.mapping.cull.close_depth_m = close_depth_m;
+  result.mapping.cull.revisit_s = revisit_s;
+  result.tracking.keyframe.revisit_s = revisit_s;
   result.loop.limits = tracking.match;  // matches and poses by the same rules as tracking
   result.loop.pose = tracking.pose;
   if (deterministic && detect.latency_frames == 0) {

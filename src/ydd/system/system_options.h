@@ -40,6 +40,8 @@ struct SystemOptions {
   double close_depth_m = 3.0;
   /// Time of the recording by which mapping may be behind where frames wait for it.
   double mapping_lag_s = 0.2;
+  /// What was seen so long ago belongs to an earlier visit of a place.
+  double revisit_s = 60.0;
   bool deterministic = false;
 
   void describe(OptionTable& table);

@@ -41,6 +41,7 @@ struct TrackerOptions {
   double close_depth_m = 3.0;  ///< SystemOptions sets it
   int place_candidates = 5;
   double new_map_after_s = 3.0;
+  double arrival_s = 1.0;
   int young_map_keyframes = 5;
   double map_reckoned_after_s = 0.5;
   DoubtOptions doubt;
@@ -124,6 +125,9 @@ class Tracker {
                 TrackResult& result);
   KeyframeSituation situation(const Atlas& atlas, const TrackedFrame& frame,
                               const TrackResult& result, bool mapper_idle) const;
+  void settle(const TrackedFrame& frame);
+  bool is_known_place(const Atlas& atlas, const TrackedFrame& frame, const TrackResult& result,
+                      double depth_m) const;
   TrackResult finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
                              bool mapper_idle);
   TrackResult finish_coasting(TrackedFrame frame, const Atlas& atlas, TrackResult result,
@@ -160,6 +164,8 @@ class Tracker {
   Doubt doubt_;
   Timestamp last_candidate_stamp_;
   std::optional<Timestamp> lost_since_;
+  std::optional<Timestamp> arrived_;  ///< when a place of a map was found that it never was in
+  bool settled_ = true;               ///< that it stands there has been borne out since
   bool localization_only_ = false;
   std::vector<Views> views_;           ///< by slot of the point
   std::vector<std::uint32_t> viewed_;  ///< slots with views since the last candidate
