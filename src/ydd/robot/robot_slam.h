@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "ydd/base/published.h"
@@ -57,6 +58,9 @@ class RobotSlam {
  public:
   /// Fails when the detector cannot be made or `map_file` (may be empty) cannot be gone on with.
   static Result<RobotSlam> make(RobotSetup setup, const std::filesystem::path& map_file);
+  /// The same with a map that is at hand (none: from nothing), by this name in failures.
+  static Result<RobotSlam> make(RobotSetup setup, std::optional<Atlas> map,
+                                const std::string& map_name);
 
   /// Frames must come by rising stamps; one that does not is a failure that costs nothing. What
   /// else fails is as SlamSystem::process has it. Its index counts the frames that came; a larger
@@ -72,6 +76,7 @@ class RobotSlam {
   void reset();
   /// Goes on in the map of a file instead of the one there is, which stays if that fails.
   Result<void> load_map(const std::filesystem::path& file);
+  Result<void> set_map(std::optional<Atlas> map, const std::string& map_name);
   Result<void> save_map(const std::filesystem::path& file) { return system_->save_map(file); }
   void set_localization_only(bool on) { system_->set_localization_only(on); }
   bool localization_only() const { return system_->localization_only(); }
@@ -90,7 +95,8 @@ class RobotSlam {
  private:
   explicit RobotSlam(RobotSetup setup);
   static Result<std::unique_ptr<SlamSystem>> make_system(const RobotSetup& setup,
-                                                         const std::filesystem::path& map_file);
+                                                         std::optional<Atlas> map,
+                                                         const std::string& map_name);
   Result<void> save_by_itself();
   void forget();
   void place(RobotFrame& frame);
