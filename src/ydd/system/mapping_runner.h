@@ -56,6 +56,8 @@ class MappingRunner {
   virtual Result<bool> submit(KeyFrameCandidate candidate) = 0;
   /// No candidate waits or is being worked on.
   virtual bool idle() const = 0;
+  /// Returns when every candidate of a frame before `stamp` has been worked off, or nobody will.
+  virtual void wait_for_frames_before(Timestamp stamp) = 0;
   /// The newest published map; never null.
   virtual std::shared_ptr<const Atlas> atlas() const = 0;
   /// What went wrong so far.

@@ -72,6 +72,7 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame, std::optional<De
   report.stamp = frame.stamp;
   StageTimes total;
   StageTimer total_timer(total, "total");
+  if (patient_) wait_for_mapper(report);
   if (detector_ && !given) detector_->start(frame);
   const auto features = std::make_shared<const Features>(extract(frame, report));
   look_for_motion(frame, features, report);  // while the detector still works
@@ -88,6 +89,12 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame, std::optional<De
   total_timer.stop();
   report.times.push_back(total.front());
   return report;
+}
+
+void SlamSystem::wait_for_mapper(FrameReport& report) {
+  StageTimer timer(report.times, "wait_for_mapper");
+  const auto lag_ns = static_cast<std::int64_t>(options_.mapping_lag_s * 1e9);
+  mapping_->wait_for_frames_before({report.stamp.ns - lag_ns});
 }
 
 void SlamSystem::look_for_motion(const RgbdFrame& frame,

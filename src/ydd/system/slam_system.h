@@ -66,6 +66,10 @@ class SlamSystem {
   void add(const ImuSample& sample) { reckoning_.add(sample); }
   void add(const OdometryPose& pose) { reckoning_.add(pose); }
 
+  /// For recordings that are played faster than a camera would: a frame waits for a mapper that is
+  /// further behind than `mapping_lag_s` in the recording's time. A camera does not wait.
+  void set_patient(bool on) { patient_ = on; }
+
   /// What is rejected from the next frame on.
   void set_variant(Variant variant);
   Variant variant() const { return judge_.options().variant; }
@@ -105,6 +109,7 @@ class SlamSystem {
   StageTimes save_times() const { return saver_ ? saver_->times() : StageTimes(); }
 
  private:
+  void wait_for_mapper(FrameReport& report);
   Features extract(const RgbdFrame& frame, FrameReport& report);
   Result<Detections> ask_detector(const RgbdFrame& frame, FrameReport& report);
   void look_for_motion(const RgbdFrame& frame, const std::shared_ptr<const Features>& features,
@@ -130,6 +135,7 @@ class SlamSystem {
   std::unique_ptr<MapSaver> saver_;
   std::vector<TrajectoryEntry> trajectory_;
   RepeatedPictures repeated_pictures_;
+  bool patient_ = false;
 };
 
 }  // namespace ydd

@@ -22,6 +22,10 @@ void SystemOptions::describe(OptionTable& t) {
   t.group("tracks", tracks);
   t.add("close_depth_m", close_depth_m, {0.1, 100.0}, "m",
         "nearer readings become points at once and count when keyframes are compared");
+  t.add(
+      "mapping_lag_s", mapping_lag_s, {0.0, 60.0}, "s",
+      "recordings that are played flat out wait for a mapper that is further behind, in their own "
+      "time; at a camera's pace (--realtime, cameras, ROS) nothing waits");
   t.add("deterministic", deterministic, "map in the tracking thread: two runs give equal bytes");
 }
 

@@ -36,6 +36,8 @@ struct SystemOptions {
   WorldTrackOptions tracks;
   /// Readings up to here tell of their point's place by themselves: they become points at once.
   double close_depth_m = 3.0;
+  /// Time of the recording by which mapping may be behind where frames wait for it.
+  double mapping_lag_s = 0.2;
   bool deterministic = false;
 
   void describe(OptionTable& table);
