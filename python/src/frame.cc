@@ -37,37 +37,8 @@ py::array_t<Value> column(const std::vector<Element>& elements, const Value* fir
 // x and y of a keypoint lie side by side: they are seen as one row of two.
 static_assert(offsetof(Keypoint, y_px) == offsetof(Keypoint, x_px) + sizeof(float));
 
-void bind_kept(py::module_& module) {
-  py::class_<KeptPoints>(module, "KeptPoints",
-                         R"(Feature points that were judged static: what tracking and the map see.
-
-Arrays of one entry for each point, read-only views that keep alive what they show.)")
-      .def("__len__", [](const KeptPoints& p) { return p.features->size(); })
-      .def("__repr__",
-           [](const KeptPoints& p) {
-             return fmt::format("<ydd_slam.KeptPoints, {} of them>", p.features->size());
-           })
-      .def_property_readonly(
-          "pixels",
-          [](const KeptPoints& p) {
-            const auto& points = p.features->keypoints;
-            return column(points, &points.data()->x_px, p.features, 2);
-          },
-          "(N, 2) of float32: x, y in the image as it was taken")
-      .def_property_readonly(
-          "undistorted_px",
-          [](const KeptPoints& p) {
-            const auto& points = p.features->undistorted_px;
-            return column(points, reinterpret_cast<const float*>(points.data()), p.features, 2);
-          },
-          "(N, 2) of float32: where an ideal lens would have seen them")
-      .def_property_readonly(
-          "depth_m",
-          [](const KeptPoints& p) {
-            return column(p.features->depth_m, p.features->depth_m.data(), p.features);
-          },
-          "(N,) of float32: metres along the optical axis; 0: no reading")
-      .def_property_readonly(
+void bind_what_was_found(py::class_<KeptPoints>& kept) {
+  kept.def_property_readonly(
           "octave",
           [](const KeptPoints& p) {
             const auto& points = p.features->keypoints;
@@ -97,6 +68,40 @@ Arrays of one entry for each point, read-only views that keep alive what they sh
             return taken(std::move(ids));
           },
           "(N,) of int64: the Map.point_ids that they were found as, -1: none; a copy");
+}
+
+void bind_kept(py::module_& module) {
+  py::class_<KeptPoints> kept(
+      module, "KeptPoints",
+      R"(Feature points that were judged static: what tracking and the map see.
+
+Arrays of one entry for each point, read-only views that keep alive what they show.)");
+  kept.def("__len__", [](const KeptPoints& p) { return p.features->size(); })
+      .def("__repr__",
+           [](const KeptPoints& p) {
+             return fmt::format("<ydd_slam.KeptPoints, {} of them>", p.features->size());
+           })
+      .def_property_readonly(
+          "pixels",
+          [](const KeptPoints& p) {
+            const auto& points = p.features->keypoints;
+            return column(points, &points.data()->x_px, p.features, 2);
+          },
+          "(N, 2) of float32: x, y in the image as it was taken")
+      .def_property_readonly(
+          "undistorted_px",
+          [](const KeptPoints& p) {
+            const auto& points = p.features->undistorted_px;
+            return column(points, reinterpret_cast<const float*>(points.data()), p.features, 2);
+          },
+          "(N, 2) of float32: where an ideal lens would have seen them")
+      .def_property_readonly(
+          "depth_m",
+          [](const KeptPoints& p) {
+            return column(p.features->depth_m, p.features->depth_m.data(), p.features);
+          },
+          "(N,) of float32: metres along the optical axis; 0: no reading");
+  bind_what_was_found(kept);
 }
 
 void bind_rejected(py::module_& module) {
