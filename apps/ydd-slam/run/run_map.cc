@@ -9,6 +9,13 @@
 
 namespace ydd::app {
 
+Result<MapKey> run_map_key(const RunRequest& request) {
+  // Who watches can save a map that the request does not name.
+  const bool watched = request.view.window || request.serve;
+  const bool wanted = watched || !request.map.empty() || !request.save_map.empty();
+  return wanted ? MapKey::find(request.map_key) : Result(MapKey());
+}
+
 namespace {
 
 /// Tells what of the map does not fit the run; what fits nearly is logged.
@@ -31,12 +38,12 @@ Result<void> check_map(const RunRequest& request, const Camera& map_camera,
 }
 
 /// The map if only a part of it is wanted in memory; else nothing.
-Result<std::optional<StoredMap>> open_in_part(const RunRequest& request,
+Result<std::optional<StoredMap>> open_in_part(const RunRequest& request, const MapKey& key,
                                               const SystemOptions& options) {
   const bool wanted = request.localization_only && request.save_map.empty() && !request.dump_map &&
                       options.map.near_keyframes > 0;
   if (!wanted) return std::optional<StoredMap>();
-  Result<StoredMap> stored = StoredMap::open(request.map);
+  Result<StoredMap> stored = StoredMap::open(request.map, key);
   if (!stored) return stored.error();
   if (stored->keyframes() <= static_cast<std::size_t>(options.map.near_keyframes)) {
     return std::optional<StoredMap>();
@@ -65,17 +72,17 @@ Result<RunMap> open_nearby(StoredMap stored, const SystemOptions& options) {
 
 }  // namespace
 
-Result<RunMap> open_run_map(const RunRequest& request, const Camera& camera,
+Result<RunMap> open_run_map(const RunRequest& request, const MapKey& key, const Camera& camera,
                             const SystemOptions& options) {
   if (request.map.empty()) return RunMap();
-  Result<std::optional<StoredMap>> stored = open_in_part(request, options);
+  Result<std::optional<StoredMap>> stored = open_in_part(request, key, options);
   if (!stored) return stored.error();
   if (*stored) {
     auto fits = check_map(request, (*stored)->camera(), (*stored)->scales(), camera, options);
     if (!fits) return fits.error();
     return open_nearby(*std::move(*stored), options);
   }
-  Result<Atlas> atlas = load_map(request.map);
+  Result<Atlas> atlas = load_map(request.map, key);
   if (!atlas) return atlas.error();
   auto fits = check_map(request, atlas->camera(), atlas->scales(), camera, options);
   if (!fits) return fits.error();
@@ -95,7 +102,8 @@ SlamSystem make_run_system(const Camera& camera, const SystemOptions& options,
   return {camera, options, catalogue, std::move(detector), std::move(map.whole)};
 }
 
-Result<void> prepare_run_map(const RunRequest& request, SlamSystem& system) {
+Result<void> prepare_run_map(const RunRequest& request, const MapKey& key, SlamSystem& system) {
+  system.set_map_key(key);
   system.set_localization_only(request.localization_only);
   return request.save_map.empty()
              ? Result<void>()

@@ -29,7 +29,7 @@ namespace ydd {
 template <class T, class Tag>
 class Table {
  public:
-  using IdType = Id<Tag>;
+  using IdType = Id<Tag>;  ///< What names its values.
 
   Table() = default;
   Table(Table&&) noexcept = default;
@@ -61,6 +61,7 @@ class Table {
     return s ? s->value.get() : nullptr;
   }
 
+  /// Whether an id names a value that is still there.
   bool contains(IdType id) const { return find(id) != nullptr; }
 
   /// The value. @throws std::logic_error on a stale id.
@@ -90,8 +91,8 @@ class Table {
     --size_;
   }
 
-  std::size_t size() const { return size_; }
-  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }  ///< Number of values.
+  bool empty() const { return size_ == 0; }   ///< Whether there is no value.
   /// One more than the largest slot ever used: the length for arrays indexed by slot.
   std::uint32_t slots() const { return slots_; }
 

@@ -40,8 +40,8 @@ struct LoopOptions {
 
 /// A place seen again: where the keyframe would stand if the older part of the map is right.
 struct LoopMatch {
-  KeyFrameId current;
-  KeyFrameId matched;
+  KeyFrameId current;            ///< the keyframe that sees a known place
+  KeyFrameId matched;            ///< the keyframe of the map that shows it already
   SE3 T_world_current;           ///< in the frame of the matched keyframe's map
   std::vector<MapPointId> seen;  ///< points of the matched part that agree
 };

@@ -20,17 +20,17 @@ namespace ydd {
 
 /// Everything that an atlas consists of, as data: how a stored one comes back.
 struct AtlasParts {
-  Camera camera;
-  PyramidScales scales;
-  std::vector<std::pair<KeyFrameId, KeyFrame>> keyframes;
-  std::vector<KeyFrameId> freed_keyframes;  ///< as Table::freed
-  std::vector<std::pair<MapPointId, MapPoint>> points;
-  std::vector<MapPointId> freed_points;
-  std::map<KeyFrameId, CulledKeyFrame> culled;
-  std::uint64_t revision = 0;
-  KeyFrameId newest;
-  std::int64_t next_serial = 0;
-  std::uint32_t maps = 0;
+  Camera camera;                                           ///< that all keyframes were taken with
+  PyramidScales scales;                                    ///< of the extractor's pyramid
+  std::vector<std::pair<KeyFrameId, KeyFrame>> keyframes;  ///< each with its id
+  std::vector<KeyFrameId> freed_keyframes;                 ///< as Table::freed
+  std::vector<std::pair<MapPointId, MapPoint>> points;     ///< each with its id
+  std::vector<MapPointId> freed_points;                    ///< as Table::freed
+  std::map<KeyFrameId, CulledKeyFrame> culled;  ///< where keyframes stood that are no longer kept
+  std::uint64_t revision = 0;                   ///< as Atlas::revision
+  KeyFrameId newest;                            ///< as Atlas::newest_keyframe
+  std::int64_t next_serial = 0;                 ///< as Atlas::next_serial
+  std::uint32_t maps = 0;                       ///< as Atlas::maps
 };
 
 /// Where a keyframe stands that is not in memory.
@@ -57,7 +57,7 @@ struct AtlasPart {
 /// valid until the next edit.
 class Atlas {
  public:
-  Atlas(const Camera& camera, const PyramidScales& scales);
+  Atlas(const Camera& camera, const PyramidScales& scales);  ///< Without any map yet.
 
   /// An atlas from its parts, down to the ids that it will give next. Lists of points per keyframe
   /// are made from the observations, those of children from the parents; what they hold is
@@ -71,16 +71,21 @@ class Atlas {
   /// indexed of what is in it. Failure: as restore.
   static Result<Atlas> restore_part(AtlasPart part);
 
-  const Camera& camera() const { return camera_; }
-  const PyramidScales& scales() const { return scales_; }
+  const Camera& camera() const { return camera_; }         ///< That all keyframes were taken with.
+  const PyramidScales& scales() const { return scales_; }  ///< Of the extractor's pyramid.
   /// Counts edits: two atlases of one run with equal revisions are equal.
   std::uint64_t revision() const { return revision_; }
 
+  /// Null when it is not, or no longer, kept.
   const KeyFrame* find(KeyFrameId id) const { return keyframes_.find(id); }
+  /// Null when there is no such landmark, or no longer.
   const MapPoint* find(MapPointId id) const { return points_.find(id); }
+  /// @throws std::logic_error unless it is kept.
   const KeyFrame& at(KeyFrameId id) const { return keyframes_.at(id); }
+  /// @throws std::logic_error unless it is there.
   const MapPoint& at(MapPointId id) const { return points_.at(id); }
-  const Table<KeyFrame, KeyFrameTag>& keyframes() const { return keyframes_; }
+  const Table<KeyFrame, KeyFrameTag>& keyframes() const { return keyframes_; }  ///< Of all maps.
+  /// Landmarks of all maps.
   const Table<MapPoint, MapPointTag>& points() const { return points_; }
 
   /// A name for a further map.
@@ -98,15 +103,18 @@ class Atlas {
   /// Moves all observations of `from` to `into` where `into` has none yet, adds its counters, and
   /// removes `from`.
   void merge_points(MapPointId from, MapPointId into);
-  void remove_point(MapPointId point);
+  void remove_point(MapPointId point);  ///< Takes a landmark out, with all its observations.
   /// Takes a keyframe out: its points lose an observation, its children get a new parent, and where
   /// it stood is remembered relative to its parent. The first keyframe of a map cannot be culled.
   void cull_keyframe(KeyFrameId keyframe);
 
+  /// Moves a keyframe; its points stay.
   void set_pose(KeyFrameId keyframe, const SE3& T_world_camera);
+  /// Moves a landmark, metres.
   void set_position(MapPointId point, const Eigen::Vector3d& p_world);
+  /// Hangs a keyframe below another in the spanning tree.
   void set_parent(KeyFrameId keyframe, KeyFrameId parent);
-  void set_map(KeyFrameId keyframe, MapId map);
+  void set_map(KeyFrameId keyframe, MapId map);  ///< Puts a keyframe into another map.
   /// Remembers that two keyframes closed a loop.
   void add_loop(KeyFrameId a, KeyFrameId b);
   /// Makes `root` hang below `parent`, turning round the chain of parents above it: merges the
@@ -130,6 +138,7 @@ class Atlas {
   /// was.
   MapId map_of(KeyFrameId id) const;
 
+  /// Where keyframes stood that are no longer kept.
   const CulledKeyFrames& culled() const { return culled_; }
   /// Every keyframe that has words.
   const WordIndex& word_index() const { return word_index_; }

@@ -79,12 +79,12 @@ void check_content(Database& database, std::int64_t version, std::vector<std::st
 
 }  // namespace
 
-MapCheck check_map(const std::filesystem::path& file) {
+MapCheck check_map(const std::filesystem::path& file, const MapKey& key) {
   MapCheck check;
   look(check.faults, "", [&] {
-    map_format::check_header(file);
-    map_format::recover(file);
-    Database database(file, Database::Mode::read);
+    map_format::check_header(file, key);
+    map_format::recover(file, key);
+    Database database(file, Database::Mode::read, key);
     database.run("BEGIN");
     const std::int64_t version = database.number("PRAGMA user_version");
     database.expect_tables(map_format::tables_of(version));
@@ -93,7 +93,7 @@ MapCheck check_map(const std::filesystem::path& file) {
   });
   if (!check.faults.empty()) return check;
   look(check.faults, "", [&] {
-    const Atlas atlas = map_format::read_rows(file).atlas;
+    const Atlas atlas = map_format::read_rows(file, key).atlas;
     check.keyframes = atlas.keyframes().size();
     check.points = atlas.points().size();
     std::set<MapId> maps;

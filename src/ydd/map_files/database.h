@@ -13,8 +13,8 @@
 #include <variant>
 #include <vector>
 
-struct sqlite3;
-struct sqlite3_stmt;
+#include "ydd/map_files/map_key.h"
+#include "ydd/map_files/sqlite_library.h"
 
 /// SQLite as map files use it. Inside the room only; every failure throws map_format::Fault.
 namespace ydd::map_format {
@@ -50,7 +50,9 @@ class Database {
     write,   ///< commits survive a power cut
     create,  ///< new file, filled without a journal: of no use until it is complete
   };
-  Database(const std::filesystem::path& file, Mode mode);
+  /// With a key the file is one of SQLCipher, else one of SQLite. @throws Refused where it does not
+  /// open with this key, or holds no map that this program knows.
+  Database(const std::filesystem::path& file, Mode mode, const MapKey& key = {});
 
   void run(const std::string& sql);
   /// First cell of the first row of the answer.
@@ -80,19 +82,24 @@ class Database {
 
  private:
   struct Close {
+    const SqliteLibrary* sql;
     void operator()(sqlite3* connection) const;
     void operator()(sqlite3_stmt* statement) const;
   };
   using Statement = std::unique_ptr<sqlite3_stmt, Close>;
 
   static int count_steps(void* steps_left);
+  void set_key(const MapKey& key);
+  void expect_right_key();
   void distrust(const std::filesystem::path& file);
+  Statement prepared_or_null(const std::string& sql);
   Statement prepare(const std::string& sql);
   sqlite3_stmt& prepared(const std::string& sql);
   void finish(sqlite3_stmt& statement);
   [[noreturn]] void fail();
 
   std::int64_t steps_granted_ = 0;
+  const SqliteLibrary* sql_;
   std::unique_ptr<std::int64_t> steps_left_;  ///< of a file that is read; outlives the connection
   std::unique_ptr<sqlite3, Close> connection_;
   std::map<std::string, Statement> statements_;  ///< those used again and again, by their text

@@ -22,7 +22,8 @@ using map_format::Row;
 /// Reads tables and remembers what their rows add up to.
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& file) : database_(file, Database::Mode::read) {
+  Reader(const std::filesystem::path& file, const MapKey& key)
+      : database_(file, Database::Mode::read, key) {
     database_.run("BEGIN");  // everything from one save, whoever is writing
     version_ = database_.number("PRAGMA user_version");
     // Before the check, which computes what it finds.
@@ -145,11 +146,11 @@ void read_points(Reader& reader, AtlasParts& parts) {
 
 }  // namespace
 
-map_format::ReadMap map_format::read_rows(const std::filesystem::path& file) {
-  check_header(file);
+map_format::ReadMap map_format::read_rows(const std::filesystem::path& file, const MapKey& key) {
+  check_header(file, key);
   try {
-    recover(file);
-    Reader reader(file);
+    recover(file, key);
+    Reader reader(file, key);
     AtlasRow totals = decode_atlas_row(reader.atlas_row());
     AtlasParts parts = std::move(totals.parts);
     const BlockLists lists = read_keyframes(reader, parts);
@@ -166,14 +167,16 @@ map_format::ReadMap map_format::read_rows(const std::filesystem::path& file) {
     if (!atlas) throw Fault(atlas.error().message);
     check_blocks(*atlas, lists);
     return {std::move(*atlas), reader.held(), reader.version()};
+  } catch (const Refused&) {
+    throw;
   } catch (const Fault& fault) {
     throw Fault(fmt::format("is damaged ({}); go back to a copy of it", fault.what()));
   }
 }
 
-Result<Atlas> load_map(const std::filesystem::path& file) {
+Result<Atlas> load_map(const std::filesystem::path& file, const MapKey& key) {
   try {
-    return map_format::read_rows(file).atlas;
+    return map_format::read_rows(file, key).atlas;
   } catch (const std::exception& fault) {  // also what the file system has to say
     return Error{fmt::format("{}: {}", file.string(), fault.what())};
   }

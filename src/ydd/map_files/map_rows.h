@@ -52,7 +52,7 @@ struct ReadMap {
   std::int64_t version = kVersion;  ///< of the file
 };
 /// The map in a file. @throws Fault as load_map fails, without the name.
-ReadMap read_rows(const std::filesystem::path& file);
+ReadMap read_rows(const std::filesystem::path& file, const MapKey& key = {});
 
 /// Which words the words of a row are: another vocabulary has another mark.
 std::int64_t vocabulary_mark();

@@ -12,6 +12,8 @@ namespace ydd::map_format {
 inline constexpr std::int64_t kApplicationId = 0x59444453;  // "YDDS"
 /// To be raised by whoever changes a table or a blob; readers of older versions go to load_map.cc.
 inline constexpr std::int64_t kVersion = 2;
+/// Bytes of a page of an encrypted file.
+inline constexpr std::size_t kCipherPage = 4096;
 /// Slots whose points share a row: as many as share a chunk in memory.
 inline constexpr std::uint32_t kPointsPerBlock = 64;
 

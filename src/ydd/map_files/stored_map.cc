@@ -34,8 +34,8 @@ std::string damaged(const std::filesystem::path& file, const std::exception& fau
 /// Rows of the file, and what has been made of those that are in use.
 class StoredMap::Reader {
  public:
-  explicit Reader(const std::filesystem::path& file)
-      : file_(file), database_(opened(file)), atlas_(read_atlas_row()) {}
+  Reader(const std::filesystem::path& file, const MapKey& key)
+      : file_(file), database_(opened(file, key)), atlas_(read_atlas_row()) {}
 
   const std::filesystem::path& file() const { return file_; }
   const map_format::AtlasRow& atlas() const { return atlas_; }
@@ -72,7 +72,7 @@ class StoredMap::Reader {
   };
   using Block = std::vector<std::pair<MapPointId, MapPoint>>;
 
-  static Database opened(const std::filesystem::path& file);
+  static Database opened(const std::filesystem::path& file, const MapKey& key);
   map_format::AtlasRow read_atlas_row();
   Known& known(KeyFrameId id);
   const Row& of_keyframe(const std::optional<Row>& row, KeyFrameId id) const;
@@ -89,9 +89,9 @@ class StoredMap::Reader {
   std::map<KeyFrameId, FarKeyFrame> far_;  ///< that were in an earlier part
 };
 
-Database StoredMap::Reader::opened(const std::filesystem::path& file) {
-  map_format::recover(file);
-  Database database(file, Database::Mode::read);
+Database StoredMap::Reader::opened(const std::filesystem::path& file, const MapKey& key) {
+  map_format::recover(file, key);
+  Database database(file, Database::Mode::read, key);
   database.run("BEGIN");  // all parts are of one save
   return database;
 }
@@ -227,14 +227,16 @@ StoredMap::StoredMap(StoredMap&&) noexcept = default;
 StoredMap& StoredMap::operator=(StoredMap&&) noexcept = default;
 StoredMap::~StoredMap() = default;
 
-Result<StoredMap> StoredMap::open(const std::filesystem::path& file) {
+Result<StoredMap> StoredMap::open(const std::filesystem::path& file, const MapKey& key) {
   try {
-    map_format::check_header(file);
+    map_format::check_header(file, key);
   } catch (const std::exception& fault) {
     return Error{fmt::format("{}: {}", file.string(), fault.what())};
   }
   try {
-    return StoredMap(std::make_unique<Reader>(file));
+    return StoredMap(std::make_unique<Reader>(file, key));
+  } catch (const map_format::Refused& refused) {
+    return Error{fmt::format("{}: {}", file.string(), refused.what())};
   } catch (const std::exception& fault) {
     return Error{damaged(file, fault)};
   }

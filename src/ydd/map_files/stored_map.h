@@ -11,6 +11,7 @@
 
 #include "ydd/base/result.h"
 #include "ydd/map/atlas.h"
+#include "ydd/map_files/map_key.h"
 
 namespace ydd {
 
@@ -24,7 +25,7 @@ namespace ydd {
 class StoredMap {
  public:
   /// Reads what the map is, and nothing of it.
-  static Result<StoredMap> open(const std::filesystem::path& file);
+  static Result<StoredMap> open(const std::filesystem::path& file, const MapKey& key = {});
 
   const std::filesystem::path& file() const;
   const Camera& camera() const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "ydd/optimization/bundle_inertial.h"
 #include "ydd/optimization/bundle_linearise.h"
 #include "ydd/optimization/bundle_schur.h"
 
@@ -25,6 +26,7 @@ State moved(const Layout& layout, const State& state, const bundle::Step& step) 
     T = SE3::exp(step.poses[c]) * T;
   }
   for (int j = 0; j < layout.points(); ++j) next.points[j] += step.points[j];
+  if (layout.inertial) next.inertial = bundle::moved(layout, state.inertial, step.border);
   return next;
 }
 
@@ -152,6 +154,7 @@ BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
   result.interrupted = stop.stop_requested();
   result.T_camera_world = std::move(last.state.T_camera_world);
   result.points = std::move(last.state.points);
+  if (layout.inertial) result.inertial = std::move(last.state.inertial);
   return result;
 }
 

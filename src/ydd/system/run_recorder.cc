@@ -191,6 +191,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"incomplete", run.incomplete},
       {"variant", run.variant},
       {"detector", run.detector},
+      {"detector_device", run.device},
       {"deterministic", run.deterministic},
       {"realtime", run.realtime},
       {"seed", run.seed},

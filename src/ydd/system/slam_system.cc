@@ -9,6 +9,7 @@
 #include "ydd/base/guard.h"
 #include "ydd/base/log.h"
 #include "ydd/dynamics/evidence_rules.h"
+#include "ydd/dynamics/people_boxes.h"
 #include "ydd/map/compatible.h"
 
 namespace ydd {
@@ -106,9 +107,11 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame, std::optional<De
   report.stamp = frame.stamp;
   StageTimes total;
   StageTimer total_timer(total, "total");
+  if (patient_) wait_for_mapper(report);
   if (detector_ && !given) detector_->start(frame);
   const auto features = std::make_shared<const Features>(extract(frame, report));
   look_for_motion(frame, features, report);  // while the detector still works
+  report.looked = given || detector_;
   Result<Detections> detections = given ? *std::move(given) : ask_detector(frame, report);
   if (!detections) return detections.error();
   report.detections = std::move(*detections);
@@ -123,6 +126,23 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame, std::optional<De
   total_timer.stop();
   report.times.push_back(total.front());
   return report;
+}
+
+void SlamSystem::wait_for_mapper(FrameReport& report) {
+  StageTimer timer(report.times, "wait_for_mapper");
+  const auto lag_ns = static_cast<std::int64_t>(options_.mapping_lag_s * 1e9);
+  mapping_->wait_for_frames_before({report.stamp.ns - lag_ns});
+}
+
+void SlamSystem::add(const ImuSample& sample) {
+  reckoning_.add(sample);
+  if (!options_.mapping.inertial.enabled) return;
+  // No keyframe for long means that no link will be made of what came first.
+  constexpr std::size_t kMost = 20000;
+  if (imu_for_mapping_.size() >= kMost) {
+    imu_for_mapping_.erase(imu_for_mapping_.begin(), imu_for_mapping_.begin() + kMost / 2);
+  }
+  imu_for_mapping_.push_back(sample);
 }
 
 void SlamSystem::look_for_motion(const RgbdFrame& frame,
@@ -198,6 +218,14 @@ Result<Detections> SlamSystem::ask_detector(const RgbdFrame& frame, FrameReport&
   return std::move(answer.detections);
 }
 
+PictureSource SlamSystem::picture_of(const RgbdFrame& frame, const FrameReport& report) const {
+  PictureSource source{frame.colour, frame.depth_m, report.judgement.regions, report.odds};
+  if (options_.map.behind_people) return source;
+  source.people = people_boxes(report.detections, report.judgement, judge_.catalogue());
+  source.looked = report.looked;
+  return source;
+}
+
 Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, FrameReport& report) {
   TrackedFrame tracked;
   tracked.index = frame.index;
@@ -209,8 +237,7 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, Frame
   tracked.stale = repeated.stale;
   tracked.doubt = repeated.doubt;
   if (options_.map.pictures) {
-    tracked.picture = std::make_shared<const PictureSource>(
-        PictureSource{frame.colour, frame.depth_m, report.judgement.regions, report.odds});
+    tracked.picture = std::make_shared<const PictureSource>(picture_of(frame, report));
   }
   {
     StageTimer timer(report.times, "grid");
@@ -223,9 +250,11 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, Frame
   std::optional<KeyFrameCandidate> candidate = std::exchange(report.track.candidate, {});
   if (candidate) {
     StageTimer timer(report.times, "submit_keyframe");
+    candidate->imu = imu_for_mapping_;
     const Result<bool> taken = mapping_->submit(std::move(*candidate));
     if (!taken) return taken.error();
     report.keyframe = *taken;
+    if (*taken) imu_for_mapping_.clear();
   }
   const bool has_pose =
       report.track.state == TrackingState::tracking || report.track.reference.valid();
@@ -262,6 +291,7 @@ void SlamSystem::reset() {
   evidence_.clear();
   followed_.clear();
   reckoning_.clear();
+  imu_for_mapping_.clear();
   if (asynchronous_) asynchronous_->forget();
   repeated_pictures_ = {};
   trajectory_.clear();
@@ -279,7 +309,7 @@ Error only_a_part(const std::filesystem::path& file) {
 
 Result<void> SlamSystem::autosave_to(const std::filesystem::path& file, Replacing replacing) {
   if (nearby_) return only_a_part(file);
-  Result<MapWriter> writer = MapWriter::open(file, replacing);
+  Result<MapWriter> writer = MapWriter::open(file, replacing, map_key_);
   if (!writer) return writer.error();
   return guarded(file.native(), [&]() -> Result<void> {
     saver_ = std::make_unique<MapSaver>(std::move(*writer), options_.map.autosave_s);
@@ -292,7 +322,7 @@ Result<void> SlamSystem::save_map(const std::filesystem::path& file) {
   if (saver_ && saver_->file() == map_file_target(file)) {
     return saver_->save(atlas());
   }
-  return ydd::save_map(*atlas(), file);
+  return ydd::save_map(*atlas(), file, Replacing::lesser, map_key_);
 }
 
 MapId SlamSystem::main_map() const {

@@ -5,7 +5,9 @@
 // mapper never waits for the loop closer, nor that for a bundle, so they cannot wait for each
 // other.
 #include <algorithm>
-#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
 #include <stop_token>
 #include <thread>
 #include <utility>
@@ -19,6 +21,45 @@
 
 namespace ydd {
 namespace {
+
+/// Stamps of the candidates that wait or are being worked on. They are taken in by one thread and
+/// worked off by another, in the same order.
+class CandidatesAtWork {
+ public:
+  void add(Timestamp stamp) {
+    const std::lock_guard lock(mutex_);
+    stamps_.push_back(stamp);
+  }
+  void withdraw_newest() {
+    const std::lock_guard lock(mutex_);
+    stamps_.pop_back();
+  }
+  void oldest_is_done() {
+    const std::lock_guard lock(mutex_);
+    stamps_.pop_front();
+    fewer_.notify_all();
+  }
+  bool none() const {
+    const std::lock_guard lock(mutex_);
+    return stamps_.empty();
+  }
+  void wait_for_frames_before(Timestamp stamp) {
+    std::unique_lock lock(mutex_);
+    fewer_.wait(lock, [&] { return abandoned_ || stamps_.empty() || stamps_.front() >= stamp; });
+  }
+  /// Nobody works them off any more, and nobody waits for it.
+  void abandon() {
+    const std::lock_guard lock(mutex_);
+    abandoned_ = true;
+    fewer_.notify_all();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable fewer_;
+  std::deque<Timestamp> stamps_;
+  bool abandoned_ = false;
+};
 
 class ThreadedMapping final : public MappingRunner {
  public:
@@ -37,15 +78,18 @@ class ThreadedMapping final : public MappingRunner {
 
   Result<bool> submit(KeyFrameCandidate candidate) override {
     const bool starts_map = !candidate.reference.valid();
-    candidates_.fetch_add(1);
+    candidates_.add(candidate.frame.stamp);
     const bool taken = starts_map ? mapping_queue_.push(std::move(candidate))
                                   : mapping_queue_.try_push(std::move(candidate));
-    if (!taken) candidates_.fetch_sub(1);
+    if (!taken) candidates_.withdraw_newest();
     if (taken && starts_map) map_started_.pop();
     if (const Result<void> failed = failure_.get(); !failed) return failed.error();
     return taken;
   }
-  bool idle() const override { return candidates_.load() == 0; }
+  bool idle() const override { return candidates_.none(); }
+  void wait_for_frames_before(Timestamp stamp) override {
+    candidates_.wait_for_frames_before(stamp);
+  }
   std::shared_ptr<const Atlas> atlas() const override { return atlas_.get(); }
   Result<void> failure() const override { return failure_.get(); }
 
@@ -112,13 +156,14 @@ class ThreadedMapping final : public MappingRunner {
     map_started_.close();
     applied_.close();
     drained_.close();
+    candidates_.abandon();
   }
 
   void work_off(MappingTask& task) {
     if (auto* const candidate = std::get_if<KeyFrameCandidate>(&task)) {
       const bool starts_map = !candidate->reference.valid();
       if (!failure_) keep(guarded("mapping", [&] { return map(*candidate); }));
-      candidates_.fetch_sub(1);
+      candidates_.oldest_is_done();
       if (starts_map) map_started_.push(true);
     } else if (auto* const correction = std::get_if<Correction>(&task)) {
       Result<Applied> applied = Applied::refused;
@@ -299,7 +344,7 @@ class ThreadedMapping final : public MappingRunner {
   std::stop_source solving_;  ///< interrupts bundles and pose graphs
   FirstError failure_;
   Published<Atlas> atlas_;
-  std::atomic<int> candidates_ = 0;  ///< waiting or being worked on
+  CandidatesAtWork candidates_;
   Channel<MappingTask> mapping_queue_{kMappingQueue};
   Channel<LoopTask> loop_queue_{kLoopQueue};
   Channel<Bundle> bundle_queue_{1};

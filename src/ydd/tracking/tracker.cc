@@ -57,7 +57,8 @@ Tracker::Tracker(const TrackerOptions& options, bool in_known_map)
     : options_(options),
       state_(in_known_map ? TrackingState::lost : TrackingState::initializing),
       depth_watch_(options.doubt),
-      doubt_(options.doubt) {}
+      doubt_(options.doubt),
+      settled_(!in_known_map) {}
 
 TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_idle) {
   frame.points.assign(frame.features().size(), MapPointId{});
@@ -78,7 +79,7 @@ TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_i
       return finish_coasting(std::move(bare), atlas, std::move(result), kDepthContradicts);
     }
   }
-  if (std::optional<TrackResult> reckoned = finish_reckoned(frame, result)) return *reckoned;
+  if (std::optional<TrackResult> reckoned = finish_reckoned(frame, atlas, result)) return *reckoned;
   if (doubt_.pending() && !doubt_.lasts_too_long(frame.stamp)) {
     return finish_doubted(std::move(frame), atlas, std::move(result), doubt_.reason());
   }
@@ -117,6 +118,7 @@ TrackResult Tracker::initialize(TrackedFrame frame) {
   if (!shows_enough(frame) || localization_only_) return result;
   frame.T_camera_world = SE3();
   last_ = frame;
+  settled_ = true;
   last_candidate_stamp_ = frame.stamp;
   result.state = TrackingState::tracking;
   result.points = frame.points;
@@ -214,8 +216,10 @@ std::optional<PoseFromMatches> Tracker::pose_by_relocalization(const TrackedFram
                                                                const Atlas& atlas) const {
   // Where it has just been it may be without further proof; elsewhere the place must be unlike
   // every other one.
-  auto found = relocalize(atlas, frame, recent_keyframes(atlas, last_reference_),
-                          options_.relocalization, options_.pose, options_.match);
+  const std::vector<KeyFrameId> recent =
+      settled_ ? recent_keyframes(atlas, last_reference_) : std::vector<KeyFrameId>();
+  auto found =
+      relocalize(atlas, frame, recent, options_.relocalization, options_.pose, options_.match);
   if (!found && is_reckoned(frame)) {  // which of two alike places it is, the senses know
     found = relocalize(atlas, frame, similar_places(frame, atlas), options_.relocalization,
                        options_.pose, options_.match);
@@ -341,10 +345,27 @@ KeyframeSituation Tracker::situation(const Atlas& atlas, const TrackedFrame& fra
   }
   s.keyframes = static_cast<int>(atlas.keyframes().size());
   s.rotation_rad = result.T_reference_camera.angle_rad();
-  s.translation_share =
-      result.T_reference_camera.translation().norm() / median_depth_m(frame.features());
+  const double depth_m = median_depth_m(frame.features());
+  s.translation_share = result.T_reference_camera.translation().norm() / depth_m;
   s.mapper_idle = mapper_idle;
+  s.known_place = is_known_place(atlas, frame, result, depth_m);
   return s;
+}
+
+bool Tracker::is_known_place(const Atlas& atlas, const TrackedFrame& frame,
+                             const TrackResult& result, double depth_m) const {
+  const KeyframePolicyOptions& options = options_.keyframe;
+  const auto stands_here = [&](KeyFrameId id) {
+    const KeyFrame& keyframe = atlas.at(id);
+    if (std::abs(seconds_between(keyframe.stamp, frame.stamp)) < options.revisit_s) return false;
+    const SE3 T_keyframe_camera = keyframe.T_world_camera.inverse() * result.T_world_camera;
+    return T_keyframe_camera.translation().norm() <= options.known_translation_share * depth_m &&
+           T_keyframe_camera.angle_rad() <= options.known_rotation_rad;
+  };
+  const std::vector<Covisible>& around = atlas.at(result.reference).covisible;
+  return stands_here(result.reference) ||
+         std::any_of(around.begin(), around.end(),
+                     [&](const Covisible& c) { return stands_here(c.keyframe); });
 }
 
 TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
@@ -352,6 +373,7 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   if (state_ == TrackingState::lost || T_reckoned_last_) {
     log::info("frame {}: tracking again", frame.index);
   }
+  settle(frame);
   take_motion(frame, result);
   state_ = result.state = TrackingState::tracking;
   lost_since_.reset();
@@ -360,7 +382,7 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   result.points = frame.points;
   StageTimer timer(result.times, "keyframe_decision");
   const bool believed = doubt_.settle(frame.stamp);
-  if (!localization_only_ && believed && !frame.stale &&
+  if (!localization_only_ && settled_ && believed && !frame.stale &&
       needs_keyframe(situation(atlas, frame, result, mapper_idle), options_.keyframe)) {
     last_candidate_stamp_ = frame.stamp;
     result.candidate =
@@ -369,6 +391,13 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   last_ = std::move(frame);
   timer.stop();
   return result;
+}
+
+/// A wrong place could bear itself out by keyframes of its own: only old points may do so.
+void Tracker::settle(const TrackedFrame& frame) {
+  if (settled_) return;
+  if (state_ == TrackingState::lost || !arrived_) arrived_ = frame.stamp;
+  settled_ = seconds_between(*arrived_, frame.stamp) >= options_.arrival_s;
 }
 
 bool Tracker::moves_as_a_body(const TrackedFrame& frame) const {
