@@ -2,7 +2,9 @@
 #include "ydd/map/word_index.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <utility>
 
@@ -57,19 +59,23 @@ void append_kept(const WordIndex::Part& part, std::vector<WordIndex::Entry>& out
   }
 }
 
-/// The `wanted` heaviest words of a bag, in the order of the words.
+/// The `wanted` heaviest words of a bag, in the order of the words; of equal ones the first.
 BagOfWords heaviest(const BagOfWords& bag, std::size_t wanted) {
-  std::vector<std::size_t> order(bag.words.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(wanted), order.end(),
-                   [&](std::size_t a, std::size_t b) {
-                     return bag.weights[a] != bag.weights[b] ? bag.weights[a] > bag.weights[b]
-                                                             : a < b;
-                   });
-  order.resize(wanted);
-  std::sort(order.begin(), order.end());
+  // Positive floats are ordered as their bits are. One number for weight and place: no two alike.
+  const auto rank = [&](std::size_t i) {
+    return std::uint64_t{std::bit_cast<std::uint32_t>(bag.weights[i])} << 32U | (UINT32_MAX - i);
+  };
+  std::vector<std::uint64_t> ranks(bag.words.size());
+  for (std::size_t i = 0; i < ranks.size(); ++i) ranks[i] = rank(i);
   BagOfWords out;
-  for (const std::size_t i : order) {
+  if (wanted == 0) return out;
+  const auto last = ranks.begin() + static_cast<std::ptrdiff_t>(wanted) - 1;
+  std::nth_element(ranks.begin(), last, ranks.end(), std::greater<>());
+  const std::uint64_t least = *last;
+  out.words.reserve(wanted);
+  out.weights.reserve(wanted);
+  for (std::size_t i = 0; i < bag.words.size(); ++i) {
+    if (rank(i) < least) continue;
     out.words.push_back(bag.words[i]);
     out.weights.push_back(bag.weights[i]);
   }

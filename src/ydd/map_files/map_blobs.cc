@@ -208,17 +208,18 @@ BagOfWords decode_bag(std::string_view bytes) {
   BagOfWords bag;
   ByteReader in(bytes);
   const std::size_t n = in.count(5);
-  bag.words.reserve(n);
-  bag.weights.reserve(n);
+  bag.words.resize(n);
+  bag.weights.resize(n);
+  std::uint64_t word = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint64_t step = in.varint(UINT16_MAX);
-    const std::uint64_t word = i == 0 ? step : bag.words.back() + step;
+    word += step;
     const float weight = in.f32();
     if ((i > 0 && step == 0) || word > UINT16_MAX || !(weight > 0) || !(weight <= 1.0F)) {
       throw Fault("words that cannot be");
     }
-    bag.words.push_back(static_cast<std::uint16_t>(word));
-    bag.weights.push_back(weight);
+    bag.words[i] = static_cast<std::uint16_t>(word);
+    bag.weights[i] = weight;
   }
   in.expect_end();
   return bag;

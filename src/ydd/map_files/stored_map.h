@@ -27,11 +27,11 @@ class StoredMap {
   /// Reads what the map is, and nothing of it.
   static Result<StoredMap> open(const std::filesystem::path& file, const MapKey& key = {});
 
-  const std::filesystem::path& file() const;
-  const Camera& camera() const;
-  const PyramidScales& scales() const;
-  std::size_t keyframes() const;
-  std::size_t points() const;
+  const std::filesystem::path& file() const;  ///< As it was opened.
+  const Camera& camera() const;               ///< That all keyframes were taken with.
+  const PyramidScales& scales() const;        ///< Of the extractor's pyramid.
+  std::size_t keyframes() const;              ///< How many the file holds.
+  std::size_t points() const;                 ///< How many the file holds.
   /// Of the whole map; empty when it has no keyframes.
   KeyFrameId newest_keyframe() const;
   /// Whether it can be read in part: not one of an earlier version, or of another vocabulary.

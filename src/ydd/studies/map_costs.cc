@@ -198,14 +198,15 @@ Result<void> measure_in_part(const std::filesystem::path& file, const Walks& wal
   for (const std::vector<TrackedFrame>& walk : walks) {
     Tracker tracker(options.tracking, true);
     tracker.set_localization_only(true);
-    for (std::size_t k = 0; k < walk.size(); ++k) {
+    for (const TrackedFrame& frame : walk) {
       if (tracker.state() == TrackingState::lost) {
         const auto words = std::make_shared<const BagOfWords>(
-            bag_of_words(builtin_vocabulary(), walk[k].features().descriptors));
+            bag_of_words(builtin_vocabulary(), frame.features().descriptors));
         costs.place_ms.push_back(spent_on([&] { (*map)->look_for(words); }).cpu_ms);
       }
-      const TrackResult result = tracker.track(walk[k], *(*map)->atlas(), true);
-      if (k > 0 && result.state != TrackingState::tracking) ++costs.lost_in_part;
+      const bool tracked = tracker.state() == TrackingState::tracking;
+      const TrackResult result = tracker.track(frame, *(*map)->atlas(), true);
+      if (tracked && result.state != TrackingState::tracking) ++costs.lost_in_part;
       if (!result.reference.valid()) continue;
       const auto before = (*map)->atlas();
       const double ms = spent_on([&] { (*map)->follow(result.reference); }).cpu_ms;
