@@ -12,6 +12,10 @@
 #include <cstdio>
 
 #ifdef YDD_WITH_ONEDNN
+#include <dnnl.hpp>
+#endif
+
+#if defined(DNNL_VERSION_MAJOR) && DNNL_VERSION_MAJOR < 3
 #include <algorithm>
 #include <cstdlib>
 #include <ctime>
@@ -24,7 +28,6 @@
 #include <vector>
 
 #include <omp.h>
-#include <dnnl.hpp>
 
 #include "ydd/base/files.h"
 #include "ydd/inference/layer_shapes.h"
@@ -272,7 +275,7 @@ int main(int argc, char** argv) {
 }
 #else
 int main() {
-  std::puts("this build has no oneDNN (Debian package libdnnl-dev)");
+  std::puts("this build has no oneDNN 2 (Debian package libdnnl-dev)");
   return 0;
 }
 #endif

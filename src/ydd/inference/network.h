@@ -32,14 +32,17 @@ class InferenceSession {
   /// All outputs of the network for `input` (which is row-major). They belong to the session and
   /// stay valid until the next call. Fails when the network cannot take an input of this shape.
   virtual Result<std::vector<Tensor>> run(const Tensor& input) = 0;
+  /// Where it is computed, for whoever reads results: "cpu" or "cuda"; with the reason in brackets
+  /// where something else was asked for.
+  virtual std::string device() const { return "cpu"; }
 };
 
 enum class Backend { automatic, onednn, onnxruntime, opencv };
 constexpr std::array<std::string_view, 4> choices_of(Backend) {
   return {"auto", "onednn", "onnxruntime", "opencv"};
 }
-enum class Device { cpu, cuda };
-constexpr std::array<std::string_view, 2> choices_of(Device) { return {"cpu", "cuda"}; }
+enum class Device { automatic, cpu, cuda };
+constexpr std::array<std::string_view, 3> choices_of(Device) { return {"auto", "cpu", "cuda"}; }
 enum class Precision { automatic, float32, bfloat16, float16, int8 };
 constexpr std::array<std::string_view, 5> choices_of(Precision) {
   return {"auto", "float32", "bfloat16", "float16", "int8"};
@@ -61,7 +64,8 @@ struct InferenceOptions {
 };
 
 /// Loads an ONNX file. The failure is one line that names the file: missing, not ONNX, truncated,
-/// operators that the library does not know, a back end that this machine does not have.
+/// operators that the library does not know, a back end that this machine does not have. A GPU that
+/// is asked for and not there is no failure: the CPU computes then, and one warning says why.
 Result<std::unique_ptr<InferenceSession>> load_network(const std::filesystem::path& onnx_file,
                                                        const InferenceOptions& options);
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ydd/inference/onednn_versions.h"
 #include "ydd/inference/quantisation.h"
 
 namespace ydd {
@@ -29,7 +30,7 @@ dnnl::primitive_attr int8_attributes(const Layer& layer, const QuantisedWeights&
   }
   dnnl::primitive_attr attributes;
   attributes.set_post_ops(after_it);
-  attributes.set_output_scales(1 << 1, scales);
+  onednn::scale_outputs(attributes, 1 << 1, scales);
   return attributes;
 }
 
@@ -37,14 +38,15 @@ dnnl::convolution_forward::primitive_desc choose_int8(const ConvolutionProblem& 
                                                       const dnnl::primitive_attr& attributes,
                                                       const dnnl::engine& engine) {
   const Layer& layer = problem.layer;
-  const dnnl::convolution_forward::desc form(
-      dnnl::prop_kind::forward_inference, dnnl::algorithm::convolution_direct, problem.source,
+  const auto kernel = onednn::convolution(
+      problem.source,
       {convolution_weight_dims(layer), memory::data_type::s8, memory::format_tag::any},
       {{layer.weights.dims[0]}, memory::data_type::f32, memory::format_tag::a}, problem.destination,
-      dims_of(layer.window.stride), dims_of(layer.window.dilation, 1),
-      dims_of(layer.window.pad_begin), dims_of(layer.window.pad_end));
+      {dims_of(layer.window.kernel), dims_of(layer.window.stride),
+       dims_of(layer.window.dilation, 1), dims_of(layer.window.pad_begin),
+       dims_of(layer.window.pad_end)},
+      attributes, engine);
   constexpr const char* kWhat = "a convolution of 8-bit integers here";
-  dnnl::convolution_forward::primitive_desc kernel(form, attributes, engine, /*allow_empty=*/true);
   if (!kernel) throw std::runtime_error(std::string("oneDNN has no kernel for ") + kWhat);
   return without_reference(kernel, kWhat);
 }

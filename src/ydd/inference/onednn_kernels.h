@@ -13,6 +13,9 @@ namespace ydd {
 /// oneDNN always has an answer: where it has no kernel for a processor, a reference implementation
 /// that is a hundred times slower. No plan may hold one of those.
 bool is_reference(const std::string& implementation);
+/// Blocked kernels are compiled for the layout; general ones unfold the windows for a product of
+/// matrices.
+bool is_compiled(const std::string& implementation);
 
 /// A convolution in the terms of oneDNN. Maps lie channels last.
 struct ConvolutionProblem {

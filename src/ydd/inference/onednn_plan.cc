@@ -16,6 +16,7 @@
 #include "ydd/inference/layer_shapes.h"
 #include "ydd/inference/onednn_int8.h"
 #include "ydd/inference/onednn_kernels.h"
+#include "ydd/inference/onednn_versions.h"
 #include "ydd/inference/quantisation.h"
 
 namespace ydd {
@@ -255,11 +256,11 @@ struct OnednnPlan::Parts {
   void add_pool(const Layer& layer) {
     const int input = layer.inputs[0];
     const auto chosen = without_reference(
-        dnnl::pooling_forward::primitive_desc(
-            {dnnl::prop_kind::forward_inference, dnnl::algorithm::pooling_max, description(input),
-             description(layer.output), dims_of(layer.window.stride), dims_of(layer.window.kernel),
-             dims_of(layer.window.pad_begin), dims_of(layer.window.pad_end)},
-            engine),
+        onednn::max_pooling(description(input), description(layer.output),
+                            {dims_of(layer.window.kernel), dims_of(layer.window.stride),
+                             dims_of(layer.window.dilation, 1), dims_of(layer.window.pad_begin),
+                             dims_of(layer.window.pad_end)},
+                            engine),
         "a pooling of the network here");
     add_primitive(dnnl::pooling_forward(chosen), chosen.impl_info_str(),
                   {{DNNL_ARG_SRC, at(input)}, {DNNL_ARG_DST, at(layer.output)}});
@@ -281,10 +282,9 @@ struct OnednnPlan::Parts {
   }
 
   void combine(dnnl::algorithm algorithm, const memory& a, const memory& b, const memory& to) {
-    const auto chosen =
-        without_reference(dnnl::binary::primitive_desc(
-                              {algorithm, a.get_desc(), b.get_desc(), to.get_desc()}, engine),
-                          "a sum of the network here");
+    const auto chosen = without_reference(
+        onednn::binary(algorithm, a.get_desc(), b.get_desc(), to.get_desc(), engine),
+        "a sum of the network here");
     add_primitive(dnnl::binary(chosen), chosen.impl_info_str(),
                   {{DNNL_ARG_SRC_0, a}, {DNNL_ARG_SRC_1, b}, {DNNL_ARG_DST, to}});
   }
@@ -329,7 +329,7 @@ struct OnednnPlan::Parts {
     memory from({dims_of(shape(0)), Type::f32, memory::format_tag::nchw}, engine,
                 const_cast<float*>(input.values.data()));
     dnnl::primitive_attr rounding;
-    if (!map_steps.empty()) rounding.set_output_scales(0, {1.0F / map_steps[0]});
+    if (!map_steps.empty()) onednn::scale_outputs(rounding, 0, {1.0F / map_steps[0]});
     const dnnl::reorder::primitive_desc how(from, at(0), rounding);
     dnnl::reorder(how).execute(stream, from, at(0));
   }
@@ -374,10 +374,35 @@ const std::vector<std::string>& OnednnPlan::implementations() const {
   return parts_->implementations;
 }
 
+bool onednn_has_kernels() {
+  Layer layer;
+  layer.activation = Activation::silu;
+  layer.weights.dims = {16, 16, 3, 3};
+  layer.window.kernel = {3, 3};
+  layer.window.pad_begin = layer.window.pad_end = {1, 1};
+  const memory::desc map({1, 16, 16, 16}, Type::f32, memory::format_tag::nhwc);
+  const dnnl::engine engine(dnnl::engine::kind::cpu, 0);
+  try {
+    const ConvolutionKernel chosen = choose_convolution({layer, map, map, false}, engine);
+    return is_compiled(chosen.kernel.impl_info_str());
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+bool onednn_has_int8() { return onednn::kHasFixedScales; }
+
+#ifdef __x86_64__
 bool onednn_has_bfloat16() { return __builtin_cpu_supports("avx512bw") != 0; }
+#else
+bool onednn_has_bfloat16() { return false; }
+#endif
 
 bool onednn_has_quick_bfloat16() {
-  return dnnl::get_effective_cpu_isa() == dnnl::cpu_isa::avx512_core_amx;
+  // Names of instruction sets are sets of bits: what came after AMX has its bits as well.
+  const auto has = static_cast<unsigned>(dnnl::get_effective_cpu_isa());
+  const auto amx = static_cast<unsigned>(dnnl::cpu_isa::avx512_core_amx);
+  return onednn_has_bfloat16() && (has & amx) == amx;
 }
 
 }  // namespace ydd

@@ -19,6 +19,10 @@ struct PlanOptions {
   std::vector<float> ranges{};  ///< for int8: as for value_steps()
 };
 
+/// Whether oneDNN has quick kernels for this processor at all. Debian's has none for ARM without
+/// SVE.
+bool onednn_has_kernels();
+bool onednn_has_int8();            ///< version 2; version 3 takes scales in another way
 bool onednn_has_bfloat16();        ///< with AVX-512
 bool onednn_has_quick_bfloat16();  ///< with AMX; without it 32-bit floats are quicker
 

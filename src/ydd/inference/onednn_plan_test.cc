@@ -17,6 +17,7 @@
 #include "ydd/base/files.h"
 #include "ydd/inference/network_backends.h"
 #include "ydd/inference/onednn_kernels.h"
+#include "ydd/inference/onednn_versions.h"
 #include "ydd/inference/tiny_onnx_testing.h"
 
 namespace ydd {
@@ -32,7 +33,7 @@ constexpr ForcedIsa kIsas[] = {{"sse41", dnnl::cpu_isa::sse41},
                                {"avx2", dnnl::cpu_isa::avx2},
                                {"avx512_core", dnnl::cpu_isa::avx512_core},
                                {"avx512_core_vnni", dnnl::cpu_isa::avx512_core_vnni},
-                               {"all", dnnl::cpu_isa::all}};
+                               {"all", onednn::kEveryIsa}};
 
 [[noreturn]] void end_child(const std::string& complaint) {
   std::fputs(complaint.c_str(), stderr);

@@ -58,6 +58,10 @@ SessionResult make_onednn_session(std::string_view onnx, const InferenceOptions&
   if (options.precision == Precision::bfloat16 && !onednn_has_bfloat16()) {
     return Error{"precision bfloat16 needs a processor with AVX-512"};
   }
+  if (options.precision == Precision::int8 && !onednn_has_int8()) {
+    return Error{"precision int8 needs oneDNN 2, this build has 3"};
+  }
+  if (!onednn_has_kernels()) return Error{"oneDNN has no kernels for this processor"};
   Result<OnnxGraph> graph = read_onnx(onnx);
   if (!graph) return Error{"oneDNN cannot load it: " + graph.error().message};
   Result<LayerGraph> layers = make_layers(std::move(*graph));
@@ -77,7 +81,7 @@ SessionResult make_onednn_session(std::string_view onnx, const InferenceOptions&
 
 namespace ydd {
 SessionResult make_onednn_session(std::string_view, const InferenceOptions&) {
-  return Error{"this build has no oneDNN 2 (Debian package libdnnl-dev); use 'backend: opencv'"};
+  return Error{"this build has no oneDNN (Debian package libdnnl-dev); use 'backend: opencv'"};
 }
 }  // namespace ydd
 
