@@ -34,6 +34,7 @@ map                a Map, or a map file, to go on with; None: start from nothing
                    is: the Slam has a copy of it and of all others of its run
 localization_only  use the map without changing it
 autosave           map file that is saved every few seconds; None: none
+map_key            of all map files that are loaded and saved: as for Map.load
 
 One thread at a time may call it; others run while it works (it lets go of the GIL). Every failure
 is an Error with one line that tells what to do.)";
@@ -118,16 +119,18 @@ void bind_run(SlamClass& slam) {
 
 void bind_slam(py::module_& module) {
   SlamClass slam(module, "Slam", kSlamText);
-  slam.def(py::init([](const Camera& camera, const py::object& options, const py::object& config,
-                       const py::object& detector, const py::object& objects, const py::object& map,
-                       bool localization_only, const py::object& autosave) {
-             return std::make_unique<Slam>(Slam::Wish{camera, options, config, detector, objects,
-                                                      map, autosave, localization_only});
-           }),
-           py::arg("camera"), py::arg("options") = py::none(), py::kw_only(),
-           py::arg("config") = py::none(), py::arg("detector") = "default",
-           py::arg("objects") = py::none(), py::arg("map") = py::none(),
-           py::arg("localization_only") = false, py::arg("autosave") = py::none());
+  slam.def(
+      py::init([](const Camera& camera, const py::object& options, const py::object& config,
+                  const py::object& detector, const py::object& objects, const py::object& map,
+                  bool localization_only, const py::object& autosave, const py::object& map_key) {
+        return std::make_unique<Slam>(Slam::Wish{camera, options, config, detector, objects, map,
+                                                 autosave, map_key, localization_only});
+      }),
+      py::arg("camera"), py::arg("options") = py::none(), py::kw_only(),
+      py::arg("config") = py::none(), py::arg("detector") = "default",
+      py::arg("objects") = py::none(), py::arg("map") = py::none(),
+      py::arg("localization_only") = false, py::arg("autosave") = py::none(),
+      py::arg("map_key") = py::none());
   bind_pictures(slam);
   bind_run(slam);
   py::module_::import("atexit").attr("register")(py::cpp_function(&Slam::close_all));

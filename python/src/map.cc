@@ -202,9 +202,10 @@ std::vector<Map> maps_of(const std::shared_ptr<const Atlas>& atlas) {
   return out;
 }
 
-Map load(const std::filesystem::path& file) {
+Map load(const std::filesystem::path& file, const py::object& map_key) {
+  const MapKey key = map_key_from(map_key);
   return largest_map(
-      without_gil([&] { return std::make_shared<const Atlas>(value_of(load_map(file))); }));
+      without_gil([&] { return std::make_shared<const Atlas>(value_of(load_map(file, key))); }));
 }
 
 using MapClass = py::class_<Map>;
@@ -298,12 +299,13 @@ T_grid_world  (4, 4): the grid's frame (z up, floor at 0) from the map's world)"
            "Writes the dense cloud, or (dense=False) the landmarks, as binary PLY.")
       .def(
           "save",
-          [](const Map& m, const std::filesystem::path& file) {
-            value_of(without_gil([&] { return save_map(*m.atlas, file); }));
+          [](const Map& m, const std::filesystem::path& file, const py::object& map_key) {
+            const MapKey key = map_key_from(map_key);
+            value_of(without_gil([&] { return save_map(*m.atlas, file, Replacing::lesser, key); }));
           },
-          py::arg("file"),
+          py::arg("file"), py::kw_only(), py::arg("map_key") = py::none(),
           "Saves all maps of the run to one file (docs/maps.md), whole or not at all. A map that "
-          "holds more is kept as FILE.previous.")
+          "holds more is kept as FILE.previous. map_key as for load().")
       .def("localise", &localise_in, py::arg("frame"),
            R"(Where one picture (RgbdFrame) was taken, by what it shows alone.
 
@@ -312,6 +314,15 @@ a sequence, Slam(camera, map=..., localization_only=True) knows where the camera
 }
 
 }  // namespace
+
+MapKey map_key_from(const py::object& given) {
+  if (!py::isinstance<py::bytes>(given)) {
+    return value_of(MapKey::find(given.is_none() ? "" : given.cast<std::filesystem::path>()));
+  }
+  Result<MapKey> key = MapKey::of(std::string_view(py::reinterpret_borrow<py::bytes>(given)));
+  if (!key) throw Failure("map_key: " + key.error().message);
+  return *std::move(key);
+}
 
 Map largest_map(std::shared_ptr<const Atlas> atlas) {
   std::vector<Map> maps = maps_of(atlas);
@@ -333,8 +344,11 @@ void bind_map(py::module_& module) {
 Arrays of points, keyframes and what connects them are made at each access (keep them), in an order
 that is the same for all of one Map. World frame: the camera of the map's first keyframe (x right,
 y down, z forward), metres.)");
-  map.def_static("load", &load, py::arg("file"),
-                 "The largest map of a file that `ydd-slam run --save-map` or save() wrote.")
+  map.def_static("load", &load, py::arg("file"), py::kw_only(), py::arg("map_key") = py::none(),
+                 R"(The largest map of a file that `ydd-slam run --save-map` or save() wrote.
+
+map_key: of an encrypted file (docs/privacy.md), the name of the file with its key, or as bytes the
+key itself; None: the file that the environment's YDD_MAP_KEY_FILE names, else it is plain)")
       .def_property_readonly(
           "camera", [](const Map& m) { return m.atlas->camera(); },
           "the Camera that it was made with, a copy")

@@ -6,6 +6,7 @@
 
 #include "binding.h"
 #include "ydd/map/atlas.h"
+#include "ydd/map_files/map_key.h"
 
 namespace ydd::python {
 
@@ -14,6 +15,10 @@ struct Map {
   std::shared_ptr<const Atlas> atlas;  ///< never null
   MapId id;                            ///< invalid: there is none yet, and it is empty
 };
+
+/// What Python gives as map_key: the name of a file, the key itself as bytes, or None for what the
+/// environment says.
+MapKey map_key_from(const py::object& given);
 
 /// The map with most keyframes, or an empty one.
 Map largest_map(std::shared_ptr<const Atlas> atlas);

@@ -85,6 +85,7 @@ Slam::Slam(const Wish& wish) {
                         : value_of(ObjectCatalogue::load(text_or_empty(wish.objects)));
   setup.T_map_world = SE3();
   setup.autosave_file = text_or_empty(wish.autosave);
+  setup.map_key = map_key_from(wish.map_key);
   if (PyCallable_Check(wish.detector.ptr()) != 0) {
     look_ = make_look(py::reinterpret_borrow<py::function>(wish.detector));
     setup.make_detector = [look = look_, objects = setup.catalogue] {

@@ -20,7 +20,7 @@ class Slam {
   /// What Python gives; see the text of the class.
   struct Wish {
     Camera camera;
-    py::object options, config, detector, objects, map, autosave;
+    py::object options, config, detector, objects, map, autosave, map_key;
     bool localization_only = false;
   };
   explicit Slam(const Wish& wish);

@@ -133,3 +133,26 @@ def test_a_file_that_is_no_map_is_one_line(tmp_path):
     with pytest.raises(Error) as raised:
         Map.load(str(file))
     assert str(file) in str(raised.value) and "\n" not in str(raised.value)
+
+
+def test_files_may_have_a_key(run, tmp_path):
+    key = tmp_path / "key"
+    key.write_text("0123456789abcdef" * 4)
+    key.chmod(0o600)
+    file = tmp_path / "a.ydd"
+    try:
+        run[0].map.save(file, map_key=key)
+    except Error as e:
+        if "SQLCipher" in str(e):
+            pytest.skip(str(e))
+        raise
+    assert b"SQLite format 3" not in file.read_bytes()
+    assert len(Map.load(file, map_key=key.read_bytes()).points) == len(run[0].map.points)
+    with pytest.raises(Error, match="--map-key"):
+        Map.load(file)
+    with pytest.raises(Error, match="does not open with this key") as wrong:
+        Map.load(file, map_key=b"fedcba9876543210" * 4)
+    assert "fedcba" not in str(wrong.value)
+    key.chmod(0o604)
+    with pytest.raises(Error, match="chmod 600"):
+        Map.load(file, map_key=str(key))

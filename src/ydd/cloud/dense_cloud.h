@@ -22,6 +22,7 @@ struct DenseCloudOptions {
   double max_depth_m = 4.0;   ///< farther readings of a camera like a Kinect are too coarse
   int witnesses = 6;          ///< covisible keyframes that are asked about each point, ...
   int latest_witnesses = 16;  ///< ... and the last of all that came after
+  bool redact = false;        ///< grey from pictures that may show people (people_left_out)
 };
 
 /// What one keyframe adds to the cloud.

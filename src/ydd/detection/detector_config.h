@@ -58,6 +58,7 @@ struct NetworkConfig {
 ///         rename: {tv: monitor}
 ///         class_thresholds: {person: 0.25}
 ///         keep: [person, chair]
+///         ranges: [1, 22.7, 17.6]        # for precision int8, see InferenceOptions
 ///     merge: {hand_reach_heads: 4}
 ///
 /// Paths are relative to the file; a model is also looked for in the folder `models` and in the

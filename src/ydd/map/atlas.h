@@ -33,6 +33,20 @@ struct AtlasParts {
   std::uint32_t maps = 0;                       ///< as Atlas::maps
 };
 
+/// Where a keyframe stands that is not in memory.
+struct FarKeyFrame {
+  MapId map;
+  SE3 T_world_camera;
+};
+
+/// A part of a stored atlas, as data. In `parts` are the keyframes and points that are in it; ids
+/// that were freed and culled keyframes are left out.
+struct AtlasPart {
+  AtlasParts parts;
+  std::uint32_t keyframe_slots = 0, point_slots = 0;  ///< of the whole
+  std::map<KeyFrameId, FarKeyFrame> far;  ///< those whose pose is known although they are not here
+};
+
 /// All maps of a run: keyframes, landmarks, and who sees what.
 ///
 /// One pair of tables holds the keyframes and points of every map; a keyframe says to which map it
@@ -50,6 +64,12 @@ class Atlas {
   /// ignored. Failure: the first thing that does
   /// not fit together, without a file name.
   static Result<Atlas> restore(AtlasParts parts);
+
+  /// An atlas to be read, in which only a part of a stored one is, under the ids of the whole.
+  /// Observations by other keyframes, and points without any left, are dropped; neighbours, parents
+  /// and loops that are not in it are named all the same, and `find` gives null for them. Words are
+  /// indexed of what is in it. Failure: as restore.
+  static Result<Atlas> restore_part(AtlasPart part);
 
   const Camera& camera() const { return camera_; }         ///< That all keyframes were taken with.
   const PyramidScales& scales() const { return scales_; }  ///< Of the extractor's pyramid.
@@ -108,13 +128,14 @@ class Atlas {
   /// (always the strongest), on both sides. Gives a parent if it has none and is not the first.
   void refresh_covisibility(KeyFrameId keyframe, int min_weight);
 
-  /// Pose of a keyframe, also of a culled one. Nothing for an id that never was.
+  /// Pose of a keyframe, also of a culled or far one. Nothing for an id that never was.
   std::optional<SE3> T_world_keyframe(KeyFrameId id) const;
   /// The keyframe itself while it is kept, else the nearest kept one that it hangs on. Empty for an
-  /// id that never was.
+  /// id that never was, or of a far one.
   KeyFrameId nearest_kept(KeyFrameId id) const;
 
-  /// The map that a keyframe belongs to, also of a culled one. Empty for an id that never was.
+  /// The map that a keyframe belongs to, also of a culled or far one. Empty for an id that never
+  /// was.
   MapId map_of(KeyFrameId id) const;
 
   /// Where keyframes stood that are no longer kept.
@@ -131,8 +152,19 @@ class Atlas {
   /// Whether a keyframe is the one that started its map.
   bool is_first(KeyFrameId id) const;
 
-  /// An immutable copy; O(size / 64).
+  /// An immutable copy; O(size / 4096).
   std::shared_ptr<const Atlas> snapshot();
+  /// Of a snapshot: a copy for whoever asks to move things in, in any thread.
+  Atlas fork() const;
+  /// What was not taken over from a fork, as it has been edited or added meanwhile.
+  struct Newer {
+    std::vector<KeyFrameId> keyframes;
+    std::vector<MapPointId> points;
+  };
+  /// Takes over where a fork of `before`, an earlier snapshot of this atlas, has put keyframes and
+  /// points; in the fork nothing else may have been edited. Costs as much as has been edited here
+  /// meanwhile, and O(size / 4096).
+  Newer adopt_places(const Atlas& before, const Atlas& fork);
 
   /// Empty when all links hold; else one line per violation.
   std::vector<std::string> check_consistency() const;
@@ -147,6 +179,7 @@ class Atlas {
   KeyFrameId best_new_parent(KeyFrameId child, const std::vector<KeyFrameId>& orphans) const;
   void adopt_children(KeyFrameId culled);
   KeyFrameId youngest() const;
+  const FarKeyFrame* find_far(KeyFrameId id) const;
   void check_tree(std::vector<std::string>& faults) const;
   void check_words(std::vector<std::string>& faults) const;
 
@@ -160,6 +193,7 @@ class Atlas {
   KeyFrameId newest_;
   std::int64_t next_serial_ = 0;
   std::uint32_t maps_ = 0;
+  std::shared_ptr<const std::map<KeyFrameId, FarKeyFrame>> far_;  ///< null: it is whole
 };
 
 /// Keypoint `i` as bundle adjustment and pose optimisation want it: u, v, virtual right u

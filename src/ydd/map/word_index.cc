@@ -57,6 +57,25 @@ void append_kept(const WordIndex::Part& part, std::vector<WordIndex::Entry>& out
   }
 }
 
+/// The `wanted` heaviest words of a bag, in the order of the words.
+BagOfWords heaviest(const BagOfWords& bag, std::size_t wanted) {
+  std::vector<std::size_t> order(bag.words.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(wanted), order.end(),
+                   [&](std::size_t a, std::size_t b) {
+                     return bag.weights[a] != bag.weights[b] ? bag.weights[a] > bag.weights[b]
+                                                             : a < b;
+                   });
+  order.resize(wanted);
+  std::sort(order.begin(), order.end());
+  BagOfWords out;
+  for (const std::size_t i : order) {
+    out.words.push_back(bag.words[i]);
+    out.weights.push_back(bag.weights[i]);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::uint16_t WordIndex::whole_weight(float weight) {
@@ -76,6 +95,25 @@ WordIndex::WordIndex(std::vector<Entry> entries) : size_(entries.size()) {
     const auto end = begin + kLargest < entries.size() ? first + kLargest : entries.end();
     parts_.push_back(part_of({first, end}));
   }
+}
+
+WordIndex WordIndex::without_bags(std::vector<Entry> entries, std::size_t most_postings) {
+  std::size_t postings = 0;
+  for (const Entry& e : entries) postings += e.words->words.size();
+  const bool complete = postings <= most_postings;
+  const std::size_t each = complete ? postings : most_postings / entries.size();
+  for (Entry& e : entries) {
+    if (e.words->words.size() <= each) continue;
+    e.words = std::make_shared<const BagOfWords>(heaviest(*e.words, each));
+  }
+  WordIndex index(std::move(entries));
+  index.complete_ = complete;
+  for (Part& part : index.parts_) {
+    auto bare = std::make_shared<Segment>(*part.segment);
+    for (Entry& e : bare->entries) e.words.reset();
+    part.segment = std::move(bare);
+  }
+  return index;
 }
 
 void WordIndex::add(Entry entry) {

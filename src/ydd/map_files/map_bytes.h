@@ -21,6 +21,12 @@ class Fault : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Why a sound file cannot be used as it was asked for: the wrong key, another program's.
+class Refused : public Fault {
+ public:
+  using Fault::Fault;
+};
+
 /// Bytes to numbers. @throws Fault where the bytes end too early or a number is too large.
 class ByteReader {
  public:

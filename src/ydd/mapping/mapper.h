@@ -13,6 +13,7 @@
 #include "ydd/map/atlas.h"
 #include "ydd/map/correction.h"
 #include "ydd/mapping/cull.h"
+#include "ydd/mapping/inertial_window.h"
 #include "ydd/mapping/local_bundle.h"
 #include "ydd/mapping/triangulate.h"
 #include "ydd/matching/keyframe_candidate.h"
@@ -22,6 +23,7 @@ namespace ydd {
 /// The settings of each step of mapping.
 struct MapperOptions {
   LocalBundleOptions bundle;
+  InertialOptions inertial;
   CullOptions cull;
   TriangulationOptions triangulation;
   MatchLimits match;
@@ -83,6 +85,7 @@ class Mapper {
 
   MapperOptions options_;
   Atlas atlas_;
+  InertialWindow inertial_;
   std::vector<MapPointId> recent_points_;  ///< created lately, on probation
   /// The revision at which a map was last moved as a whole.
   std::map<MapId, std::uint64_t> corrected_;

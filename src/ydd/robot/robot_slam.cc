@@ -59,9 +59,9 @@ Matrix6d covariance_of(const FrameReport& report, const Atlas& atlas, const SE3&
   return 0.5 * (out + out.transpose());
 }
 
-Result<std::optional<Atlas>> open_map(const std::filesystem::path& file) {
+Result<std::optional<Atlas>> open_map(const std::filesystem::path& file, const MapKey& key) {
   if (file.empty()) return std::optional<Atlas>();
-  Result<Atlas> atlas = load_map(file);
+  Result<Atlas> atlas = load_map(file, key);
   if (!atlas) return atlas.error();
   return std::optional<Atlas>(*std::move(atlas));
 }
@@ -86,7 +86,7 @@ RobotSlam::RobotSlam(RobotSetup setup)
       newest_(std::make_unique<Published<const RobotMap>>()) {}
 
 Result<RobotSlam> RobotSlam::make(RobotSetup setup, const std::filesystem::path& map_file) {
-  Result<std::optional<Atlas>> map = open_map(map_file);
+  Result<std::optional<Atlas>> map = open_map(map_file, setup.map_key);
   if (!map) return map.error();
   return make(std::move(setup), *std::move(map), map_file.string());
 }
@@ -120,8 +120,10 @@ Result<std::unique_ptr<SlamSystem>> RobotSlam::make_system(const RobotSetup& set
     if (!made) return made.error();
     detector = *std::move(made);
   }
-  return std::make_unique<SlamSystem>(setup.camera, setup.options, setup.catalogue,
-                                      std::move(detector), std::move(map));
+  auto system = std::make_unique<SlamSystem>(setup.camera, setup.options, setup.catalogue,
+                                             std::move(detector), std::move(map));
+  system->set_map_key(setup.map_key);
+  return system;
 }
 
 void RobotSlam::forget() {
@@ -193,7 +195,7 @@ void RobotSlam::reset() {
 }
 
 Result<void> RobotSlam::load_map(const std::filesystem::path& file) {
-  Result<std::optional<Atlas>> map = open_map(file);
+  Result<std::optional<Atlas>> map = open_map(file, setup_->map_key);
   if (!map) return map.error();
   return set_map(*std::move(map), file.string());
 }

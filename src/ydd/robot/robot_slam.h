@@ -30,6 +30,7 @@ struct RobotSetup {
   std::function<Result<std::unique_ptr<Detector>>()> make_detector;
   SE3 T_map_world = axes_of_robots();   ///< world: the first camera
   std::filesystem::path autosave_file;  ///< SlamSystem::autosave_to; empty: none
+  MapKey map_key;                       ///< of every map that is loaded or saved; empty: plain ones
 };
 
 /// What became of one frame.

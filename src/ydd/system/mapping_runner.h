@@ -22,12 +22,13 @@ struct LoopReport {
 
 /// What became of the loop closer's work: everything that was asked for is counted somewhere.
 struct LoopCounts {
-  int keyframes_left_out = 0;   ///< not looked at: too far behind, or a prompt end
-  int full_bundles = 0;         ///< done
-  int full_bundles_merged = 0;  ///< one that was still to be done served for this loop as well
-  int rebased = 0;              ///< corrections that were carried over to a map that had moved on
-  int refused = 0;              ///< corrections that came too late (Applied::refused)
-  int interrupted = 0;          ///< pose graphs and bundles that a prompt end cut short or left out
+  int keyframes_left_out = 0;       ///< not looked at: too far behind, or a prompt end
+  int full_bundles = 0;             ///< done
+  int full_bundles_merged = 0;      ///< one that was still to be done served for this loop as well
+  int full_bundles_begun_anew = 0;  ///< interrupted by a newer loop in what they moved
+  int rebased = 0;      ///< corrections that were carried over to a map that had moved on
+  int refused = 0;      ///< corrections that came too late (Applied::refused)
+  int interrupted = 0;  ///< pose graphs and bundles that a prompt end cut short or left out
 };
 
 /// Everything that the back end did.
@@ -70,8 +71,8 @@ class MappingRunner {
 
 /// Mapper and loop closer in the caller's thread: deterministic.
 std::unique_ptr<MappingRunner> make_inline_mapping(Mapper mapper, const LoopOptions& options);
-/// Mapper and loop closer in a thread each. @throws std::system_error if there is no thread to be
-/// had.
+/// Mapper, loop closer and full bundles in a thread each. @throws std::system_error if there is no
+/// thread to be had.
 std::unique_ptr<MappingRunner> make_threaded_mapping(Mapper mapper, const LoopOptions& options);
 
 }  // namespace ydd

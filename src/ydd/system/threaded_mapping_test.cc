@@ -153,8 +153,8 @@ TEST(ThreadedMapping, WithoutAThreadToBeHadItFailsInsteadOfHanging) {
   GTEST_SKIP() << "sanitizers need the address space";
 #endif
   SecondVisit visit;
-  // Room for no thread, and for one of the two.
-  for (const std::size_t room : {kStack / 2, kStack + kStack / 2}) {
+  // Room for no thread, for one and for two of the three.
+  for (const std::size_t room : {kStack / 2, kStack + kStack / 2, 2 * kStack + kStack / 2}) {
     const int status = status_with_room_for(room, [&] {
       try {
         const auto runner = runner_for(make_threaded_mapping, visit);

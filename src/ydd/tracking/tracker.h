@@ -42,6 +42,7 @@ struct TrackerOptions {
   double close_depth_m = 3.0;  ///< SystemOptions sets it
   int place_candidates = 5;
   double new_map_after_s = 3.0;
+  double arrival_s = 1.0;
   int young_map_keyframes = 5;
   double map_reckoned_after_s = 0.5;
   DoubtOptions doubt;
@@ -127,6 +128,9 @@ class Tracker {
                 TrackResult& result);
   KeyframeSituation situation(const Atlas& atlas, const TrackedFrame& frame,
                               const TrackResult& result, bool mapper_idle) const;
+  void settle(const TrackedFrame& frame);
+  bool is_known_place(const Atlas& atlas, const TrackedFrame& frame, const TrackResult& result,
+                      double depth_m) const;
   TrackResult finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
                              bool mapper_idle);
   TrackResult finish_coasting(TrackedFrame frame, const Atlas& atlas, TrackResult result,
@@ -134,7 +138,9 @@ class Tracker {
   TrackResult finish_lost(TrackedFrame frame, const Atlas& atlas, TrackResult result);
   TrackResult finish_doubted(TrackedFrame frame, const Atlas& atlas, TrackResult result,
                              std::string doubt);  // a copy: often the reason that is replaced
-  std::optional<TrackResult> finish_reckoned(TrackedFrame frame, const TrackResult& failed);
+  std::optional<TrackResult> finish_reckoned(TrackedFrame frame, const Atlas& atlas,
+                                             const TrackResult& failed);
+  bool looks_through_the_map(const TrackedFrame& frame, const Atlas& atlas) const;
   void map_reckoned(TrackedFrame frame, TrackResult& result);
   bool shows_enough(const TrackedFrame& frame) const;
   bool is_reckoned(const TrackedFrame& frame) const;
@@ -161,6 +167,8 @@ class Tracker {
   Doubt doubt_;
   Timestamp last_candidate_stamp_;
   std::optional<Timestamp> lost_since_;
+  std::optional<Timestamp> arrived_;  ///< when a place of a map was found that it never was in
+  bool settled_ = true;               ///< that it stands there has been borne out since
   bool localization_only_ = false;
   std::vector<Views> views_;           ///< by slot of the point
   std::vector<std::uint32_t> viewed_;  ///< slots with views since the last candidate
