@@ -35,14 +35,14 @@ struct AtlasParts {
 
 /// Where a keyframe stands that is not in memory.
 struct FarKeyFrame {
-  MapId map;
-  SE3 T_world_camera;
+  MapId map;           ///< that it belongs to
+  SE3 T_world_camera;  ///< where it stands
 };
 
 /// A part of a stored atlas, as data. In `parts` are the keyframes and points that are in it; ids
 /// that were freed and culled keyframes are left out.
 struct AtlasPart {
-  AtlasParts parts;
+  AtlasParts parts;                                   ///< what is in memory of it
   std::uint32_t keyframe_slots = 0, point_slots = 0;  ///< of the whole
   std::map<KeyFrameId, FarKeyFrame> far;  ///< those whose pose is known although they are not here
 };
@@ -158,8 +158,8 @@ class Atlas {
   Atlas fork() const;
   /// What was not taken over from a fork, as it has been edited or added meanwhile.
   struct Newer {
-    std::vector<KeyFrameId> keyframes;
-    std::vector<MapPointId> points;
+    std::vector<KeyFrameId> keyframes;  ///< that stand where they stood
+    std::vector<MapPointId> points;     ///< that lie where they lay
   };
   /// Takes over where a fork of `before`, an earlier snapshot of this atlas, has put keyframes and
   /// points; in the fork nothing else may have been edited. Costs as much as has been edited here
