@@ -28,7 +28,13 @@ Mapper::Mapper(const Camera& camera, const PyramidScales& scales, const MapperOp
     : Mapper(Atlas(camera, scales), options) {}
 
 Mapper::Mapper(Atlas atlas, const MapperOptions& options)
-    : options_(options), atlas_(std::move(atlas)), inertial_(options.inertial) {}
+    : options_(options), atlas_(std::move(atlas)), inertial_(options.inertial) {
+  // What was on probation when the map was saved still is.
+  const std::int64_t from = atlas_.next_serial() - 1 - options_.cull.probation_keyframes;
+  atlas_.points().for_each([&](MapPointId id, const MapPoint& point) {
+    if (point.born >= from) recent_points_.push_back(id);
+  });
+}
 
 MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token stop) {
   MapperReport report;
@@ -65,8 +71,10 @@ MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token
     apply_bundle(atlas_, gathered, result);
     inertial_.take(gathered, result);
   });
-  report.keyframes_culled =
-      timed("cull_keyframes", [&] { return cull_redundant_keyframes(atlas_, id, options_.cull); });
+  report.keyframes_culled = timed("cull_keyframes", [&] {
+    const int redundant = cull_redundant_keyframes(atlas_, id, options_.cull);
+    return redundant + cull_crowded_place(atlas_, id, options_.cull);
+  });
   return report;
 }
 

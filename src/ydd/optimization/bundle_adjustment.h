@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -56,6 +57,9 @@ struct BundleResult {
   bool interrupted = false;  ///< `stop` was requested; the best state so far is given
 };
 
+/// Called after each iteration with how many there were in this phase.
+using BundleWatch = std::function<void(int iterations)>;
+
 /// Minimises reprojection error over free poses and all points by Levenberg-Marquardt, eliminating
 /// the points (Schur complement): first all observations under Huber's kernel (widths: square roots
 /// of the gates), then, without kernel, those that pass the gates.
@@ -67,6 +71,7 @@ struct BundleResult {
 /// order. `stop` is looked at between the phases of an iteration.
 /// @throws std::logic_error if an observation names a pose or point that is not there.
 BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
-                          const BundleOptions& options, const std::stop_token& stop = {});
+                          const BundleOptions& options, const std::stop_token& stop = {},
+                          const BundleWatch& watch = {});
 
 }  // namespace ydd

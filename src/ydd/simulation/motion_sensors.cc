@@ -86,9 +86,10 @@ std::vector<OdometryPose> sense_odometry(const Path& path, Timestamp start, doub
       out.push_back({stamp_at(start, t_s), T_odom_base});
       continue;
     }
-    T_odom_base =
-        T_odom_base * SE3(so3_exp((turn + rough * random.normal()) * so3_log(step.rotation())),
-                          (way + rough * random.normal()) * step.translation());
+    const double way_here = way + rough * random.normal();
+    const double turn_here = turn + rough * random.normal();
+    T_odom_base = T_odom_base *
+                  SE3(so3_exp(turn_here * so3_log(step.rotation())), way_here * step.translation());
     T_world_last = T_world_base;
     out.push_back({stamp_at(start, t_s), T_odom_base});
   }
