@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -10,11 +11,13 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "arrays.h"
+#include "frame.h"
 #include "trajectory.h"
 #include "ydd/base/files.h"
 #include "ydd/cloud/keyframe_picture.h"
 #include "ydd/cloud/occupancy_grid.h"
 #include "ydd/cloud/ply.h"
+#include "ydd/map/keep_maps.h"
 #include "ydd/map_files/map_file.h"
 #include "ydd/system/localise.h"
 
@@ -146,16 +149,26 @@ py::dict grid_of_map(const Map& map, double resolution_m) {
   return out;
 }
 
-py::object picture_of(const Map& map, std::int64_t index) {
-  std::shared_ptr<const KeyFramePicture> picture;
+/// Of the arrays' order; lives as long as the map's atlas.
+const KeyFrame& keyframe_at(const Map& map, std::int64_t index) {
+  const KeyFrame* found = nullptr;
   std::int64_t at = 0;
   for_keyframes(map, [&](KeyFrameId, const KeyFrame& k) {
-    if (at++ == index) picture = k.picture;
+    if (at++ == index) found = &k;
   });
-  if (index < 0 || index >= at)
-    throw py::index_error("the map has " + std::to_string(at) + " keyframes");
+  if (!found) throw py::index_error("the map has " + std::to_string(at) + " keyframes");
+  return *found;
+}
+
+KeptPoints features_of(const Map& map, std::int64_t index) {
+  const KeyFrame& keyframe = keyframe_at(map, index);
+  return {keyframe.shared_features, {map.atlas, &keyframe.points}};
+}
+
+py::object picture_of(const Map& map, std::int64_t index) {
+  const std::shared_ptr<const KeyFramePicture> picture = keyframe_at(map, index).picture;
   if (!picture) return py::none();
-  const OpenPicture opened = value_of(open_keyframe_picture(*picture));
+  const OpenPicture opened = value_of(without_gil([&] { return open_keyframe_picture(*picture); }));
   const auto depth = std::make_shared<const RawDepthImage>(opened.depth_mm);
   return py::make_tuple(
       view_of(opened.colour),
@@ -257,14 +270,15 @@ void bind_keyframes(MapClass& map) {
           "(K,) int64: Frame.index of each")
       .def_property_readonly(
           "covisibility", &covisibility,
-          "(E, 3) int64: indices of two keyframes (the lesser first) and the "
-          "number of landmarks that both saw when the later one was refreshed last")
+          "(E, 3) int64: indices of two keyframes (the lesser first) and the number of landmarks "
+          "that both saw when the later one was refreshed last; pairs with few are left out")
       .def(
           "keyframe_picture", &picture_of, py::arg("index"),
           "What keyframe `index` keeps of its picture: colour (h, w, 3) uint8 BGR and depth (h, w) "
           "uint16 in millimetres (0: none), half as wide and high, without what moves; None: "
-          "nothing. "
-          "Read-only, made at each call.");
+          "nothing. Read-only, made at each call.")
+      .def("keyframe_features", &features_of, py::arg("index"),
+           "KeptPoints of keyframe `index`: what `observations` and `map_points` number. Shared.");
 }
 
 void bind_work(MapClass& map) {
@@ -315,6 +329,13 @@ Map largest_map(std::shared_ptr<const Atlas> atlas) {
   return maps.empty() ? Map{std::move(atlas), {}} : std::move(maps.front());
 }
 
+std::optional<Atlas> atlas_of(const Map& map) {
+  std::set<MapId> all;
+  map.atlas->keyframes().for_each([&](KeyFrameId, const KeyFrame& k) { all.insert(k.map); });
+  if (all.empty()) return std::nullopt;
+  return value_of(keep_maps(*map.atlas, all));
+}
+
 void bind_map(py::module_& module) {
   MapClass map(
       module, "Map",
@@ -329,7 +350,8 @@ y down, z forward), metres.)");
 map_key: of an encrypted file (docs/privacy.md), the name of the file with its key, or as bytes the
 key itself; None: the file that the environment's YDD_MAP_KEY_FILE names, else it is plain)")
       .def_property_readonly(
-          "camera", [](const Map& m) { return m.atlas->camera(); }, "Camera")
+          "camera", [](const Map& m) { return m.atlas->camera(); },
+          "the Camera that it was made with, a copy")
       .def_property_readonly(
           "maps", [](const Map& m) { return maps_of(m.atlas); },
           "list of Map: all of the run, the largest first; a new one begins where the camera was "

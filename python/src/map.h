@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "binding.h"
 #include "ydd/map/atlas.h"
@@ -21,5 +22,9 @@ MapKey map_key_from(const py::object& given);
 
 /// The map with most keyframes, or an empty one.
 Map largest_map(std::shared_ptr<const Atlas> atlas);
+
+/// A copy, for somebody who goes on with it, of all maps of its run: features and pictures are
+/// shared. None: it is empty.
+std::optional<Atlas> atlas_of(const Map& map);
 
 }  // namespace ydd::python

@@ -38,7 +38,7 @@ class Slam {
   void finish(bool prompt);
   void reset();
   void save(const std::filesystem::path& file);
-  void load(const std::filesystem::path& file);
+  void load(const py::object& map);
   void set_localization_only(bool on);
   bool localization_only();
 

@@ -28,7 +28,7 @@ struct Inputs {
   ObjectCatalogue catalogue;
   std::unique_ptr<Detector> detector;  ///< null: none
   MapKey map_key;
-  std::optional<Atlas> map;
+  RunMap map;
   MotionSamples motion;
 };
 
@@ -96,7 +96,7 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
   }
   Result<MapKey> map_key = run_map_key(*request);
   if (!map_key) return map_key.error();
-  Result<std::optional<Atlas>> map =
+  Result<RunMap> map =
       open_run_map(*request, *map_key, configuration.camera, configuration.options);
   if (!map) return map.error();
   Result<MotionSamples> motion =
@@ -182,8 +182,9 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   tell_depth_shift(inputs->sequence, inputs->configuration.sequence);
   settle_detect_mode(*inputs);
   const bool has_detector = inputs->detector != nullptr;
-  SlamSystem system(camera, inputs->configuration.options, inputs->catalogue,
-                    std::move(inputs->detector), std::move(inputs->map));
+  const std::string device = has_detector ? inputs->detector->device() : "";
+  SlamSystem system = make_run_system(camera, inputs->configuration.options, inputs->catalogue,
+                                      std::move(inputs->detector), std::move(inputs->map));
   if (auto r = prepare_run_map(request, inputs->map_key, system); !r) return r.error();
   const std::int64_t start_ns = wall_clock_ns();
   const PlayInput input{inputs->sequence, camera, request, inputs->catalogue, inputs->motion};
@@ -202,11 +203,13 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
                      listeners,
                      *end,
                      folder->path(),
+                     has_detector,
+                     device,
                      {},
                      {}};
   Attempts attempts;
   results.groundtruth_file = place_groundtruth(results, attempts);
-  results.summary = summary_of(results, has_detector, wall_s);
+  results.summary = summary_of(results, wall_s);
   write_results(results, attempts);
   folder->keep();
   return outcome_of(results, attempts.failures());

@@ -113,6 +113,7 @@ class Playback {
   /// Until the sequence ends, a watcher or a signal ends it, or something fails.
   Result<void> run() {
     if (input_.sequence.is_live()) return look_through(*input_.sequence.recording().live);
+    system_.set_patient(!input_.request.realtime);
     const std::size_t end = input_.sequence.size();
     FrameSource source(input_.sequence, input_.camera, prefetch(input_.request));
     for (std::size_t i = 0; i < end; ++i) {

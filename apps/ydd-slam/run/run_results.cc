@@ -108,11 +108,11 @@ std::optional<fs::path> place_groundtruth(const RunResults& results, Attempts& a
   return is_there ? std::optional(file) : std::nullopt;
 }
 
-std::string summary_of(const RunResults& results, bool has_detector, double wall_s) {
+std::string summary_of(const RunResults& results, double wall_s) {
   const RunRequest& request = results.request;
   const SystemOptions& options = results.configuration.options;
   const Variant asked = options.dynamics.variant;
-  const Variant variant = has_detector ? asked : without_boxes(asked);
+  const Variant variant = results.has_detector ? asked : without_boxes(asked);
   RunDescription run{results.sequence.name(),
                      std::string(to_string(variant)),
                      request.detector + request.detections,  // one is empty
@@ -126,6 +126,7 @@ std::string summary_of(const RunResults& results, bool has_detector, double wall
   run.depth_shift = results.sequence.depth_shift();
   run.incomplete = results.end.incomplete;
   run.versions = library_versions();
+  run.device = results.detector_device;
   return results.listeners.recorder.summary_json(run, results.system, wall_s);
 }
 

@@ -13,7 +13,7 @@ namespace ydd {
 /// A point of a dense cloud.
 struct CloudPoint {
   Eigen::Vector3f p_world;  ///< metres
-  Bgr colour{};
+  Bgr colour{};             ///< mean of what was averaged into it
 };
 
 /// How keyframes' pictures become a cloud.
@@ -27,9 +27,9 @@ struct DenseCloudOptions {
 
 /// What one keyframe adds to the cloud.
 struct KeyframeCloud {
-  KeyFrameId keyframe;
-  Eigen::Vector3f origin;  ///< of its camera, world
-  std::vector<CloudPoint> points;
+  KeyFrameId keyframe;             ///< whose picture it is made of
+  Eigen::Vector3f origin;          ///< of its camera, world
+  std::vector<CloudPoint> points;  ///< of the static scene, world frame
 };
 
 /// The static scene as the pictures of one map's keyframes show it, keyframe by keyframe in slot

@@ -15,9 +15,9 @@ namespace ydd {
 
 /// A frame as it was taken, and what was judged to move in it.
 struct PictureSource {
-  ColourImage colour;
-  DepthImage depth_m;
-  std::vector<MovingRegion> moving;
+  ColourImage colour;                           ///< as the camera took it
+  DepthImage depth_m;                           ///< registered to colour, metres; 0: no reading
+  std::vector<MovingRegion> moving;             ///< what is cut out of both
   std::shared_ptr<const MotionOdds> odds = {};  ///< of its surfaces; null: not asked for
   std::vector<Box> people = {};                 ///< people_boxes of the frame
   bool looked = false;                          ///< for people, in this very frame

@@ -114,7 +114,8 @@ void Database::distrust(const std::filesystem::path& file) {
   sql_->limit(connection, SQLITE_LIMIT_COMPOUND_SELECT, 8);
   sql_->limit(connection, SQLITE_LIMIT_TRIGGER_DEPTH, 1);
   sql_->limit(connection, SQLITE_LIMIT_ATTACHED, 0);
-  steps_left_ = std::make_unique<std::int64_t>(kStepsOfAnyMap + kStepsPerByte * size);
+  steps_granted_ = kStepsOfAnyMap + kStepsPerByte * size;
+  steps_left_ = std::make_unique<std::int64_t>(steps_granted_);
   sql_->progress_handler(connection, kStepsPerCall, &count_steps, steps_left_.get());
 }
 
@@ -241,6 +242,17 @@ std::string definition_of(const TableShape& table) {
   return sql + ", checksum INTEGER)";
 }
 
+/// "key, ..., checksum FROM table".
+std::string columns_of(const TableShape& table) {
+  std::string sql = "key";
+  for (const char* const column : table.columns) sql += fmt::format(", {}", column);
+  return sql + fmt::format(", checksum FROM {}", table.name);
+}
+
+Fault wrong_checksum(const TableShape& table, std::int64_t key) {
+  return Fault(fmt::format("table {}, row {}: checksum does not match", table.name, key));
+}
+
 std::string text_of(const SqliteLibrary& sql, sqlite3_stmt& statement, int column) {
   const auto* const text = sql.column_text(&statement, column);
   return text ? reinterpret_cast<const char*>(text) : "";
@@ -292,19 +304,38 @@ void Database::erase(const TableShape& table, std::int64_t key) {
 void Database::for_each(const TableShape& table,
                         const std::function<void(const Row&, std::uint64_t)>& visit) {
   for_each_unchecked(table, [&](const Row& row, std::uint64_t stored) {
-    if (checksum_of(table, row) != stored) {
-      throw Fault(fmt::format("table {}, row {}: checksum does not match", table.name, row.key));
-    }
+    if (checksum_of(table, row) != stored) throw wrong_checksum(table, row.key);
     visit(row, stored);
   });
 }
 
+void Database::renew_patience() {
+  if (steps_left_) *steps_left_ = steps_granted_;
+}
+
+std::optional<Row> Database::find(const TableShape& table, std::int64_t key) {
+  sqlite3_stmt& statement = prepared(fmt::format("SELECT {} WHERE key = ?", columns_of(table)));
+  sql_->reset(&statement);  // the last look may have ended with a fault
+  if (sql_->bind_int64(&statement, 1, key) != SQLITE_OK) fail();
+  std::optional<Row> row;
+  std::uint64_t stored = 0;
+  const int stepped = sql_->step(&statement);
+  if (stepped == SQLITE_ROW) {
+    const int columns = static_cast<int>(table.columns.size());
+    row = row_of(*sql_, statement, columns);
+    stored = static_cast<std::uint64_t>(sql_->column_int64(&statement, columns + 1));
+  } else if (stepped != SQLITE_DONE) {
+    sql_->reset(&statement);
+    fail();
+  }
+  sql_->reset(&statement);
+  if (row && checksum_of(table, *row) != stored) throw wrong_checksum(table, row->key);
+  return row;
+}
+
 void Database::for_each_unchecked(const TableShape& table,
                                   const std::function<void(const Row&, std::uint64_t)>& visit) {
-  std::string sql = "SELECT key";
-  for (const char* const column : table.columns) sql += fmt::format(", {}", column);
-  const Statement statement =
-      prepare(sql + fmt::format(", checksum FROM {} ORDER BY key", table.name));
+  const Statement statement = prepare(fmt::format("SELECT {} ORDER BY key", columns_of(table)));
   const int columns = static_cast<int>(table.columns.size());
   int stepped = sql_->step(statement.get());
   for (; stepped == SQLITE_ROW; stepped = sql_->step(statement.get())) {

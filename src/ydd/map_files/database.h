@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -74,6 +75,10 @@ class Database {
   /// The same whether the checksum is right or wrong: `visit` gets the one that is stored.
   void for_each_unchecked(const TableShape& table,
                           const std::function<void(const Row&, std::uint64_t)>& visit);
+  /// The row of that key, if there is one. @throws Fault if its checksum is wrong.
+  std::optional<Row> find(const TableShape& table, std::int64_t key);
+  /// Counts the work that a file asks for anew: for a connection that stays open.
+  void renew_patience();
 
  private:
   struct Close {
@@ -93,6 +98,7 @@ class Database {
   void finish(sqlite3_stmt& statement);
   [[noreturn]] void fail();
 
+  std::int64_t steps_granted_ = 0;
   const SqliteLibrary* sql_;
   std::unique_ptr<std::int64_t> steps_left_;  ///< of a file that is read; outlives the connection
   std::unique_ptr<sqlite3, Close> connection_;

@@ -71,6 +71,7 @@ class MapWriter {
   /// The same for a map that goes on changing: looks at all of it.
   Result<MapSave> save(const Atlas& atlas);
 
+  /// Where it writes, as it was given.
   const std::filesystem::path& file() const { return file_; }
 
   MapWriter(MapWriter&&) noexcept;

@@ -162,9 +162,10 @@ Result<MapWriter> MapWriter::open(const fs::path& file, Replacing replacing, con
       map_format::check_header(target, key);
       map_format::recover(target, key);
       state->lock = take_lock(target, false);
-      auto [held, rows] = map_format::read_rows(target, key);
-      state->held = holding_of(held);
-      state->rows = std::move(rows);
+      map_format::ReadMap read = map_format::read_rows(target, key);
+      state->held = holding_of(read.atlas);
+      // Rows of an earlier version are not gone on with: the first save writes all anew.
+      if (read.version == map_format::kVersion) state->rows = std::move(read.rows);
     }
     return MapWriter(target, std::move(state));
   } catch (const std::exception& fault) {

@@ -36,8 +36,8 @@ struct RobotOptions {
   double max_difference_s = 0.02;  ///< between colour and depth
   double path_hz = 2;              ///< of path and points
   GridFloor grid_floor = GridFloor::automatic;
-  GridOptions grid;
-  SystemOptions system;
+  GridOptions grid;      ///< of the floor as a grid
+  SystemOptions system;  ///< of the system itself
 
   void describe(OptionTable& table);
 };
