@@ -50,11 +50,11 @@ SessionResult make_onednn_session(std::string_view onnx, const InferenceOptions&
   if (options.precision == Precision::bfloat16 && !onednn_has_bfloat16()) {
     return Error{"precision bfloat16 needs a processor with AVX-512"};
   }
-  if (!onednn_has_kernels()) return Error{"oneDNN has no kernels for this processor"};
   Result<OnnxGraph> graph = read_onnx(onnx);
   if (!graph) return Error{"oneDNN cannot load it: " + graph.error().message};
   Result<LayerGraph> layers = make_layers(std::move(*graph));
   if (!layers) return Error{"oneDNN cannot load it: " + layers.error().message};
+  if (!onednn_has_kernels()) return Error{"oneDNN has no kernels for this processor"};
   const bool bfloat16 = options.precision == Precision::bfloat16 ||
                         (options.precision == Precision::automatic && onednn_has_quick_bfloat16());
   return std::unique_ptr<InferenceSession>(
