@@ -266,8 +266,8 @@ def gets_on_meanwhile(work):
             time.sleep(0)  # lets go of the GIL, and asks for it again
 
     counter, interval = threading.Thread(target=count), sys.getswitchinterval()
-    counter.start()
     sys.setswitchinterval(1000)  # whoever has the GIL keeps it until they let go
+    counter.start()
     try:
         before = counted[0]
         for _ in range(100):

@@ -307,7 +307,9 @@ TEST_F(Ros1, GoesOnByWheelsAndImuWhileTheLensIsCovered) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     camera.publish(colour, depth, recording.info(i));
     ASSERT_TRUE(wait_for([&] { return poses.count() > i; }, 30)) << i << node_->output();
-    if (i == kCovered + 2) EXPECT_TRUE(says("coasting")) << node_->output();
+    if (i == kCovered + 2) {
+      EXPECT_TRUE(says("coasting")) << node_->output();
+    }
   }
   EXPECT_TRUE(says("tracking")) << node_->output();
 

@@ -43,7 +43,8 @@ struct DepthExtents {
 /// Order of class names in which neither case nor '_' and '-' for a blank make a difference:
 /// "Cell_Phone" is "cell phone".
 struct ClassNameLess {
-  using is_transparent = void;  ///< Names are found without making strings of them.
+  /// Names are found without making strings of them.
+  using is_transparent = void;  // NOLINT(readability-identifier-naming): the standard's
   bool operator()(std::string_view a, std::string_view b) const;  ///< Whether `a` comes before `b`.
 };
 

@@ -65,7 +65,7 @@ class PlainNetwork {
     const std::vector<MapShape> shapes = map_shapes(graph_, shape);
     for (const MapShape& s : shapes) maps_.push_back({s, std::vector<float>(s.size())});
     for (std::size_t i = 0; i < input.size(); ++i) {
-      maps_[0].values[i] = rounded(input[i] / steps_[0]);
+      maps_[0].values[i] = rounded(input[i] * (1.0F / steps_[0]));
     }
     for (const Layer& layer : graph_.layers) compute(layer);
     std::vector<PlainMap> out;

@@ -13,6 +13,7 @@ namespace ydd {
 /// In which numbers feature maps are kept; outputs are 32-bit floats.
 enum class MapNumbers { float32, bfloat16, int8 };
 
+/// How a network is made ready.
 struct PlanOptions {
   MapNumbers numbers = MapNumbers::float32;
   int threads = 1;

@@ -24,6 +24,7 @@ namespace ydd {
 Result<std::vector<float>> value_steps(const LayerGraph& graph, const std::vector<bool>& wide,
                                        std::span<const float> ranges);
 
+/// The weights of a convolution as 8-bit integers, each times the step of its output channel.
 struct QuantisedWeights {
   std::vector<std::int8_t> values;  ///< in the order of Layer::weights
   std::vector<float> steps;         ///< by output channel

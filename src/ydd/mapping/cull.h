@@ -17,7 +17,7 @@ struct CullOptions {
   int min_observations = 2;
   double redundant_share = 0.9;
   int redundant_observations = 3;
-  int place_keyframes = 5;
+  int place_keyframes = 3;
   double place_radius_m = 0.25;
   double place_rotation_rad = 0.20;
   double close_depth_m = 3.0;  ///< SystemOptions sets it

@@ -171,7 +171,9 @@ struct Visits {
 TEST(CullCrowdedPlace, TheLeastUsefulOfEarlierVisitsGo) {
   Visits visits(7);
   for (std::size_t i = 0; i < 7; ++i) visits.count_own_points(i, 100, i == 3 || i == 4 ? 1 : 90);
-  EXPECT_EQ(cull_crowded_place(visits.atlas, visits.keyframes[6], {}), 2);
+  CullOptions options;
+  options.place_keyframes = 5;
+  EXPECT_EQ(cull_crowded_place(visits.atlas, visits.keyframes[6], options), 2);
   for (std::size_t i = 0; i < 7; ++i) {
     EXPECT_EQ(visits.atlas.find(visits.keyframes[i]) == nullptr, i == 3 || i == 4) << i;
   }

@@ -15,7 +15,7 @@ namespace ydd {
 struct InertialOptions {
   bool enabled = false;
   int keyframes = 12;
-  ImuNoise noise;
+  ImuNoise noise{0.0005, 0.003};               ///< twice what data sheets of cheap ones say
   std::string T_camera_imu = "0 0 0 0 0 0 1";  ///< SystemOptions sets it from `reckoning`
   void describe(OptionTable& table);
 };

@@ -28,7 +28,13 @@ Mapper::Mapper(const Camera& camera, const PyramidScales& scales, const MapperOp
     : Mapper(Atlas(camera, scales), options) {}
 
 Mapper::Mapper(Atlas atlas, const MapperOptions& options)
-    : options_(options), atlas_(std::move(atlas)), inertial_(options.inertial) {}
+    : options_(options), atlas_(std::move(atlas)), inertial_(options.inertial) {
+  // What was on probation when the map was saved still is.
+  const std::int64_t from = atlas_.next_serial() - 1 - options_.cull.probation_keyframes;
+  atlas_.points().for_each([&](MapPointId id, const MapPoint& point) {
+    if (point.born >= from) recent_points_.push_back(id);
+  });
+}
 
 MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token stop) {
   MapperReport report;

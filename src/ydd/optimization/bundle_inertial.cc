@@ -10,7 +10,13 @@
 namespace ydd::bundle {
 namespace {
 
-using namespace inertial_order;
+using inertial_order::kAll;
+using inertial_order::kFrom;
+using inertial_order::kGlobal;
+using inertial_order::kGlobals;
+using inertial_order::kSpeedFrom;
+using inertial_order::kSpeedTo;
+using inertial_order::kTo;
 
 constexpr double kLinkGate = 16.919;  // chi-square of nine, 95 %
 // No IMU is as good as its white noise alone: scale, alignment, what happens between two samples.

@@ -43,7 +43,12 @@ Eigen::Matrix<double, 3, 2> axes_across(const Vector3d& gravity_m_s2) {
 
 LinkError link_error(const InertialProblem& problem, const InertialLink& link,
                      const SE3& T_from_world, const SE3& T_to_world, const InertialUnknowns& x) {
-  using namespace inertial_order;
+  using inertial_order::kFrom;
+  using inertial_order::kGlobal;
+  using inertial_order::kGravity;
+  using inertial_order::kSpeedFrom;
+  using inertial_order::kSpeedTo;
+  using inertial_order::kTo;
   const InertialMeasurement& m = link.measured;
   const Preintegrated sum = m.with_biases(x.gyro_bias_rad_s, x.accel_bias_m_s2);
   const double t = sum.duration_s;

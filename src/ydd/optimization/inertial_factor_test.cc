@@ -89,7 +89,11 @@ double worst_place_m(const BundleProblem& truth, const std::vector<SE3>& poses) 
 }
 
 TEST(InertialFactor, DerivativesAreThoseOfDifferences) {
-  using namespace inertial_order;
+  using inertial_order::kAll;
+  using inertial_order::kGlobal;
+  using inertial_order::kGravity;
+  using inertial_order::kSpeedFrom;
+  using inertial_order::kTo;
   const InertialScene scene = walk_with_imu(2, 0.0, 0);
   const InertialProblem& problem = *scene.truth.inertial;
   InertialUnknowns x = problem.start;

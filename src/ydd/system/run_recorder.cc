@@ -32,6 +32,13 @@ Json stages_to_json(const std::map<std::string, Series>& stages) {
 }
 
 template <class Series>
+Json medians_to_json(const std::map<std::string, Series>& stages) {
+  Json out = Json::object();
+  for (const auto& [stage, series] : stages) out[stage] = statistics_of(series.cpu_ms).median;
+  return out;
+}
+
+template <class Series>
 Json series_to_json(const std::map<std::string, Series>& stages) {
   Json out = Json::object();
   for (const auto& [stage, series] : stages) out[stage] = series.wall_ms;
@@ -181,10 +188,6 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
   for (std::size_t i = 1; i < rules_.size(); ++i) {
     rejected[std::string(to_string(static_cast<Rule>(i)))] = rules_[i];
   }
-  Json medians = Json::object();
-  for (const auto& [stage, series] : stages_) {
-    medians[stage] = statistics_of(series.cpu_ms).median;
-  }
   Json commands = Json::array();
   for (const auto& [frame, command] : commands_) {
     commands.push_back({{"after_frame", frame}, {"command", command}});
@@ -224,7 +227,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"wall_seconds", wall_seconds},
       {"frames_per_second", wall_seconds > 0 ? processed_ / wall_seconds : 0.0},
       {"peak_resident_mb", peak_resident_mb()},
-      {"stage_median_cpu_ms", medians},
+      {"stage_median_cpu_ms", medians_to_json(stages_)},
   };
   return json_text(out, 2) + "\n";
 }

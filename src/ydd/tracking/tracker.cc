@@ -202,10 +202,17 @@ std::optional<PoseFromMatches> Tracker::pose_by_relocalization(const TrackedFram
                                                                const Atlas& atlas) const {
   // Where it has just been it may be without further proof; elsewhere the place must be unlike
   // every other one.
-  const std::vector<KeyFrameId> recent =
-      settled_ ? recent_keyframes(atlas, last_reference_) : std::vector<KeyFrameId>();
-  auto found =
-      relocalize(atlas, frame, recent, options_.relocalization, options_.pose, options_.match);
+  const std::vector<KeyFrameId> recent = recent_keyframes(atlas, last_reference_);
+  std::optional<Relocalization> found;
+  if (!settled_) {  // it has been nowhere yet
+    std::vector<KeyFrameId> places = similar_places(frame, atlas);
+    places.insert(places.end(), recent.begin(), recent.end());
+    found = relocalize_uniquely(atlas, frame, places, options_.relocalization, options_.pose,
+                                options_.match);
+    return found ? std::optional(PoseFromMatches{found->T_camera_world, found->inliers})
+                 : std::nullopt;
+  }
+  found = relocalize(atlas, frame, recent, options_.relocalization, options_.pose, options_.match);
   if (!found && is_reckoned(frame)) {  // which of two alike places it is, the senses know
     found = relocalize(atlas, frame, similar_places(frame, atlas), options_.relocalization,
                        options_.pose, options_.match);
@@ -339,7 +346,9 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
 /// A wrong place could bear itself out by keyframes of its own: only old points may do so.
 void Tracker::settle(const TrackedFrame& frame) {
   if (settled_) return;
-  if (state_ == TrackingState::lost || !arrived_) arrived_ = frame.stamp;
+  if (state_ == TrackingState::lost || !arrived_) {
+    arrived_ = last_candidate_stamp_ = frame.stamp;
+  }
   settled_ = seconds_between(*arrived_, frame.stamp) >= options_.arrival_s;
 }
 
