@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -17,7 +16,6 @@
 #include "ydd/cloud/keyframe_picture.h"
 #include "ydd/cloud/occupancy_grid.h"
 #include "ydd/cloud/ply.h"
-#include "ydd/map/keep_maps.h"
 #include "ydd/map_files/map_file.h"
 #include "ydd/system/localise.h"
 
@@ -204,8 +202,7 @@ std::vector<Map> maps_of(const std::shared_ptr<const Atlas>& atlas) {
 
 Map load(const std::filesystem::path& file, const py::object& map_key) {
   const MapKey key = map_key_from(map_key);
-  return largest_map(
-      without_gil([&] { return std::make_shared<const Atlas>(value_of(load_map(file, key))); }));
+  return largest_map(without_gil([&] { return value_of(load_map(file, key)).snapshot(); }));
 }
 
 using MapClass = py::class_<Map>;
@@ -330,10 +327,8 @@ Map largest_map(std::shared_ptr<const Atlas> atlas) {
 }
 
 std::optional<Atlas> atlas_of(const Map& map) {
-  std::set<MapId> all;
-  map.atlas->keyframes().for_each([&](KeyFrameId, const KeyFrame& k) { all.insert(k.map); });
-  if (all.empty()) return std::nullopt;
-  return value_of(keep_maps(*map.atlas, all));
+  if (map.atlas->keyframes().empty()) return std::nullopt;
+  return map.atlas->fork();
 }
 
 void bind_map(py::module_& module) {

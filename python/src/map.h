@@ -12,7 +12,7 @@ namespace ydd::python {
 
 /// One map of an atlas, as it was at some time.
 struct Map {
-  std::shared_ptr<const Atlas> atlas;  ///< never null
+  std::shared_ptr<const Atlas> atlas;  ///< a snapshot; never null
   MapId id;                            ///< invalid: there is none yet, and it is empty
 };
 
@@ -23,7 +23,7 @@ MapKey map_key_from(const py::object& given);
 /// The map with most keyframes, or an empty one.
 Map largest_map(std::shared_ptr<const Atlas> atlas);
 
-/// A copy, for somebody who goes on with it, of all maps of its run: features and pictures are
+/// A copy, for somebody who goes on with it, of all maps of its run: what it does not change is
 /// shared. None: it is empty.
 std::optional<Atlas> atlas_of(const Map& map);
 

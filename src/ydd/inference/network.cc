@@ -216,7 +216,7 @@ Result<std::unique_ptr<InferenceSession>> load_network(const std::filesystem::pa
   };
   Result<OnnxGraph> graph = read_sound_graph(*bytes, options);
   if (!graph) return failure(graph.error().message);
-  SessionResult session = make_session(*bytes, options, onnx_file.string());
+  SessionResult session = make_session(*bytes, options, onnx_file.lexically_normal().string());
   if (!session) return failure(session.error().message);
   return std::unique_ptr<InferenceSession>(
       std::make_unique<CheckedSession>(std::move(*session), without_weights(std::move(*graph))));

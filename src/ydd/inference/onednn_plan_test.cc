@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What oneDNN chooses on other processors than this one: it can be held to fewer instructions, but
 // only before its first use in a process, so that each case runs in a process of its own.
-#ifdef YDD_WITH_ONEDNN
+#if defined(YDD_WITH_ONEDNN) && defined(__x86_64__)
 #include "ydd/inference/onednn_plan.h"
 
 #include <algorithm>

@@ -17,9 +17,9 @@ struct CullOptions {
   int min_observations = 2;
   double redundant_share = 0.9;
   int redundant_observations = 3;
-  int place_keyframes = 3;
-  double place_radius_m = 0.25;
-  double place_rotation_rad = 0.20;
+  int place_keyframes = 4;
+  double place_radius_m = 0.35;
+  double place_rotation_rad = 0.26;
   double close_depth_m = 3.0;  ///< SystemOptions sets it
   double revisit_s = 60.0;     ///< SystemOptions sets it
   void describe(OptionTable& table);

@@ -49,11 +49,7 @@ class NearbyMap final : public MappingRunner {
 
   Result<bool> submit(KeyFrameCandidate candidate) override;
   bool idle() const override { return true; }
-<<<<<<< HEAD
   void wait_for_frames_before(Timestamp) override {}
-=======
-  void wait_for_frames_before(Timestamp /*stamp*/) override {}
->>>>>>> h_python
   std::shared_ptr<const Atlas> atlas() const override { return atlas_.get(); }
   Result<void> failure() const override { return failure_.get(); }
   Result<void> finish(Ending ending) override;
