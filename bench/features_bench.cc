@@ -42,7 +42,8 @@ GreyImage textured_image(unsigned seed, double shift_px = 0.0) {
   cv::Mat image(480, 640, CV_8UC1, cv::Scalar(128));
   for (int i = 0; i < 4000; ++i) {
     const double r = std::min(2.5 / std::sqrt((double(random() % 10000) + 1) / 10000), 80.0);
-    const cv::Point2d c(double(random() % 700) - 30 + shift_px, double(random() % 540) - 30);
+    const double y = double(random() % 540) - 30;
+    const cv::Point2d c(double(random() % 700) - 30 + shift_px, y);
     const cv::Scalar grey(double(random() % 256));
     if (random() % 2 == 0) {
       cv::circle(image, cv::Point(c * 16), int(r * 16), grey, cv::FILLED, cv::LINE_AA, 4);

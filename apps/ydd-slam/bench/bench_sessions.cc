@@ -7,6 +7,7 @@
 #include "common/progress.h"
 #include "common/scratch_folder.h"
 #include "ydd/base/files.h"
+#include "ydd/base/json_reader.h"
 #include "ydd/base/json_text.h"
 #include "ydd/base/log.h"
 #include "ydd/map_files/map_file.h"
@@ -63,7 +64,9 @@ class SessionFolder {
     if (!fs::exists(opened.figures_file())) return opened;
     const Result<std::string> text = read_file_bounded(opened.figures_file(), kMaxSeriesBytes);
     if (!text) return text.error();
-    opened.json_ = Json::parse(*text, nullptr, false);
+    Result<Json> json = parse_json(*text, opened.figures_file().string());
+    if (!json) return json.error();
+    opened.json_ = *std::move(json);
     if (!opened.json_.is_object() || !opened.json_.contains("series") ||
         opened.json_.value("about", Json()) != about) {
       return Error{fmt::format("{}: was made by other options; name another folder",

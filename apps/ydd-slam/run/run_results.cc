@@ -62,6 +62,8 @@ void write_data(const RunResults& results, Attempts& attempts) {
 Result<void> write_report(const RunResults& results) {
   const Sequence& sequence = results.sequence;
   const auto read_colour = [&](std::int64_t frame) -> Result<ColourImage> {
+    // Whose boxes nobody keeps: a redacted run shows no frame that it has to read again.
+    if (results.request.redact) return Error{"is not shown"};
     return sequence.read_colour(static_cast<std::size_t>(frame));
   };
   const SlamSystem& system = results.system;
@@ -106,11 +108,11 @@ std::optional<fs::path> place_groundtruth(const RunResults& results, Attempts& a
   return is_there ? std::optional(file) : std::nullopt;
 }
 
-std::string summary_of(const RunResults& results, bool has_detector, double wall_s) {
+std::string summary_of(const RunResults& results, double wall_s) {
   const RunRequest& request = results.request;
   const SystemOptions& options = results.configuration.options;
   const Variant asked = options.dynamics.variant;
-  const Variant variant = has_detector ? asked : without_boxes(asked);
+  const Variant variant = results.has_detector ? asked : without_boxes(asked);
   RunDescription run{results.sequence.name(),
                      std::string(to_string(variant)),
                      request.detector + request.detections,  // one is empty
@@ -124,6 +126,7 @@ std::string summary_of(const RunResults& results, bool has_detector, double wall
   run.depth_shift = results.sequence.depth_shift();
   run.incomplete = results.end.incomplete;
   run.versions = library_versions();
+  run.device = results.detector_device;
   return results.listeners.recorder.summary_json(run, results.system, wall_s);
 }
 

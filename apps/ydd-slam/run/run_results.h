@@ -22,6 +22,8 @@ struct RunResults {
   Listeners& listeners;
   const PlayEnd& end;
   std::filesystem::path folder;
+  bool has_detector = false;
+  std::string detector_device;  ///< of its networks
   std::string summary;
   std::optional<std::filesystem::path> groundtruth_file;  ///< in TUM's format
 };
@@ -43,7 +45,7 @@ class Attempts {
 std::optional<std::filesystem::path> place_groundtruth(const RunResults& results,
                                                        Attempts& attempts);
 
-std::string summary_of(const RunResults& results, bool has_detector, double wall_s);
+std::string summary_of(const RunResults& results, double wall_s);
 
 /// Trajectory first, then what explains it, the map, and last the report with its pictures: what
 /// is worth most is written before what may fail.

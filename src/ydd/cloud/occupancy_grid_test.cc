@@ -156,8 +156,8 @@ TEST_F(Room, ATableIsNoFloor) {
   std::normal_distribution<float> noise(0, 0.01F);
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 4000; ++i) {  // a large table, and a floor of which little was seen
-    points.emplace_back(unit(random), 0.4F + noise(random), 2 + unit(random));
-    if (i % 8 == 0) points.emplace_back(2 * unit(random), 1.15F + noise(random), 2 + unit(random));
+    points.push_back({unit(random), 0.4F + noise(random), 2 + unit(random)});
+    if (i % 8 == 0) points.push_back({2 * unit(random), 1.15F + noise(random), 2 + unit(random)});
   }
   const FloorPlane floor = find_floor(points, {0, -1, 0});
   ASSERT_TRUE(floor.found);
@@ -168,7 +168,7 @@ TEST(FloorPlane, WithoutOneTheLowestPointsAreTaken) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> unit(-1, 1);
   std::vector<Eigen::Vector3f> wall;
-  for (int i = 0; i < 4000; ++i) wall.emplace_back(2 * unit(random), unit(random), 3.0F);
+  for (int i = 0; i < 4000; ++i) wall.push_back({2 * unit(random), unit(random), 3.0F});
   const FloorPlane floor = find_floor(wall, {0, -1, 0});
   EXPECT_FALSE(floor.found);
   EXPECT_NEAR(floor.height_m, -1, 0.05);

@@ -133,4 +133,14 @@ Result<Detections> CombinedDetector::detect(const RgbdFrame& frame) {
   return merge_people(std::move(all), options_);
 }
 
+std::string CombinedDetector::device() const {
+  std::string all;
+  for (const auto& detector : detectors_) {
+    const std::string one = detector->device();
+    if (all.find(one) != std::string::npos) continue;
+    all += all.empty() ? one : ", " + one;
+  }
+  return all;
+}
+
 }  // namespace ydd

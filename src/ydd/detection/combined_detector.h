@@ -37,6 +37,7 @@ class CombinedDetector : public Detector {
  public:
   CombinedDetector(std::vector<std::unique_ptr<Detector>> detectors, const MergeOptions& options);
   Result<Detections> detect(const RgbdFrame& frame) override;
+  std::string device() const override;  ///< each of them once
 
  private:
   std::vector<std::unique_ptr<Detector>> detectors_;

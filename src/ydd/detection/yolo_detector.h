@@ -39,6 +39,7 @@ class YoloDetector : public Detector {
                                                     const YoloSettings& settings);
 
   Result<Detections> detect(const RgbdFrame& frame) override;
+  std::string device() const override { return session_->device(); }
 
   YoloKind kind() const { return kind_; }
 

@@ -14,7 +14,10 @@ double random_between(std::mt19937& random, double low, double high) {
 
 Descriptor random_descriptor(std::mt19937& random) {
   Descriptor out{};
-  for (std::uint64_t& word : out) word = (std::uint64_t{random()} << 32) | random();
+  for (std::uint64_t& word : out) {
+    const std::uint64_t upper = random();
+    word = (upper << 32U) | random();
+  }
   return out;
 }
 
@@ -37,14 +40,16 @@ void add_feature(Features& features, const Eigen::Vector3d& p, const Eigen::Vect
 class PieceScene {
  public:
   PieceScene& add(const SE3& T_now_then, int features, float weight, double noise_px = 0) {
-    const Eigen::Vector3d centre(random_between(random_, -0.6, 0.6),
-                                 random_between(random_, -0.5, 0.5), random_between(random_, 1, 3));
+    const double z = random_between(random_, 1, 3);
+    const double y = random_between(random_, -0.5, 0.5);
+    const Eigen::Vector3d centre(random_between(random_, -0.6, 0.6), y, z);
     for (int k = 0; k < features; ++k) {
-      const Eigen::Vector3d p = centre + Eigen::Vector3d(random_between(random_, -0.1, 0.1),
-                                                         random_between(random_, -0.1, 0.1),
-                                                         random_between(random_, -0.02, 0.02));
-      const Eigen::Vector2d off_px(random_between(random_, -noise_px, noise_px),
-                                   random_between(random_, -noise_px, noise_px));
+      const double off_z = random_between(random_, -0.02, 0.02);
+      const double off_y = random_between(random_, -0.1, 0.1);
+      const Eigen::Vector3d p =
+          centre + Eigen::Vector3d(random_between(random_, -0.1, 0.1), off_y, off_z);
+      const double off_v_px = random_between(random_, -noise_px, noise_px);
+      const Eigen::Vector2d off_px(random_between(random_, -noise_px, noise_px), off_v_px);
       const Descriptor descriptor = random_descriptor(random_);
       const int i = static_cast<int>(pairs.size());
       add_feature(then, p, Eigen::Vector2d::Zero(), descriptor);

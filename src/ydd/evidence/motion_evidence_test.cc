@@ -55,7 +55,10 @@ class WallWatch {
     for (int y = 12; y < 236; y += 16) {
       for (int x = 12; x < 316; x += 16) {
         Descriptor descriptor{};
-        for (std::uint64_t& word : descriptor) word = (std::uint64_t{random()} << 32) | random();
+        for (std::uint64_t& word : descriptor) {
+          const std::uint64_t upper = random();
+          word = (upper << 32U) | random();
+        }
         if (depth_m(x, y) < 2.0F) continue;
         orb.keypoints.push_back({static_cast<float>(x), static_cast<float>(y), 0, 1, 0});
         orb.descriptors.push_back(descriptor);

@@ -28,7 +28,8 @@ Features scattered_features(int count, unsigned seed) {
   std::uniform_real_distribution<float> x(-40.0F, 680.0F), y(-40.0F, 520.0F);
   Features f;
   for (int i = 0; i < count; ++i) {
-    f.undistorted_px.emplace_back(x(random), y(random));
+    const float v = y(random);
+    f.undistorted_px.emplace_back(x(random), v);
     f.keypoints.push_back({.octave = static_cast<int>(random() % 8)});
     f.descriptors.push_back({random(), random(), random(), random()});
   }

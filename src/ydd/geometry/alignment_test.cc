@@ -16,7 +16,10 @@ Points random_points(int count, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> metre(-2.0, 2.0);
   Points points;
-  for (int i = 0; i < count; ++i) points.emplace_back(metre(random), metre(random), metre(random));
+  for (int i = 0; i < count; ++i) {
+    const double z = metre(random), y = metre(random);
+    points.emplace_back(metre(random), y, z);
+  }
   return points;
 }
 

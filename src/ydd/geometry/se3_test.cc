@@ -14,7 +14,8 @@ namespace {
 
 Eigen::Vector3d random_vector(std::mt19937& random, double scale) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  return scale * Eigen::Vector3d(unit(random), unit(random), unit(random));
+  const double z = unit(random), y = unit(random);
+  return scale * Eigen::Vector3d(unit(random), y, z);
 }
 
 Vector6d random_twist(std::mt19937& random, double translation, double rotation) {

@@ -21,24 +21,82 @@ namespace {
 /// The quickest that can: docs/adr/0007-inference-back-ends.md. OpenCV's reason is the one that
 /// counts, as it reads most kinds of networks.
 SessionResult make_quickest_session(std::string_view onnx, const InferenceOptions& options) {
-  if (options.device != Device::cpu) return make_opencv_session(onnx, options);
   SessionResult quick = make_onednn_session(onnx, options);
   if (quick) return quick;
   log::debug("oneDNN does not take this network: {}", quick.error().message);
-  if (options.precision == Precision::bfloat16) return quick.error();
+  if (options.precision == Precision::bfloat16 || options.precision == Precision::int8) {
+    return quick.error();
+  }
   if (!options.onnxruntime.empty()) return make_onnxruntime_session(onnx, options);
   return make_opencv_session(onnx, options);
 }
 
-SessionResult make_session(std::string_view onnx, const InferenceOptions& options) {
-  if (options.device != Device::cpu && options.backend != Backend::automatic &&
-      options.backend != Backend::opencv) {
-    return Error{fmt::format("'device: {}' needs 'backend: opencv'", to_string(options.device))};
-  }
+SessionResult make_cpu_session(std::string_view onnx, const InferenceOptions& options) {
   if (options.backend == Backend::onednn) return make_onednn_session(onnx, options);
   if (options.backend == Backend::onnxruntime) return make_onnxruntime_session(onnx, options);
   if (options.backend == Backend::opencv) return make_opencv_session(onnx, options);
   return make_quickest_session(onnx, options);
+}
+
+/// On the GPU by the libraries that the options allow; the failure is why none of them can.
+SessionResult make_cuda_session(std::string_view onnx, InferenceOptions options) {
+  options.device = Device::cuda;
+  std::string reasons;
+  const auto failed = [&](const SessionResult& session) {
+    if (!reasons.empty()) reasons += "; ";
+    reasons += session.error().message;
+  };
+  if (options.backend != Backend::onnxruntime) {
+    SessionResult session = make_opencv_session(onnx, options);
+    if (session) return session;
+    failed(session);
+  }
+  const bool named = options.backend == Backend::automatic && !options.onnxruntime.empty();
+  if (options.backend == Backend::onnxruntime || named) {
+    SessionResult session = make_onnxruntime_session(onnx, options);
+    if (session) return session;
+    failed(session);
+  }
+  return Error{reasons};
+}
+
+/// A session on another device than the one that was asked for.
+class FallenBackSession : public InferenceSession {
+ public:
+  FallenBackSession(std::unique_ptr<InferenceSession> session, std::string reason)
+      : session_(std::move(session)), reason_(std::move(reason)) {}
+  Result<std::vector<Tensor>> run(const Tensor& input) override { return session_->run(input); }
+  std::string device() const override {
+    return fmt::format("{} (cuda was asked for: {})", session_->device(), reason_);
+  }
+
+ private:
+  std::unique_ptr<InferenceSession> session_;
+  std::string reason_;
+};
+
+/// `name` is what a warning calls the network.
+SessionResult make_session(std::string_view onnx, InferenceOptions options,
+                           const std::string& name) {
+  if (options.device == Device::cpu) return make_cpu_session(onnx, options);
+  if (options.backend == Backend::onednn) {
+    if (options.device == Device::cuda) {
+      return Error{"'device: cuda' needs 'backend: opencv', 'onnxruntime' or 'auto'"};
+    }
+    options.device = Device::cpu;
+    return make_cpu_session(onnx, options);
+  }
+  SessionResult session = make_cuda_session(onnx, options);
+  if (session) return session;
+  const bool asked = options.device == Device::cuda;
+  const std::string reason = session.error().message;
+  options.device = Device::cpu;
+  if (options.precision == Precision::float16) options.precision = Precision::automatic;
+  session = make_cpu_session(onnx, options);
+  if (!session || !asked) return session;
+  log::warning("{}: is computed on the CPU instead of 'device: cuda': {}", name, reason);
+  return std::unique_ptr<InferenceSession>(
+      std::make_unique<FallenBackSession>(std::move(*session), reason));
 }
 
 /// Asks before each new size of input whether the network can be computed for it at all: libraries
@@ -59,6 +117,7 @@ class CheckedSession : public InferenceSession {
     }
     return session_->run(input);
   }
+  std::string device() const override { return session_->device(); }
 
  private:
   std::unique_ptr<InferenceSession> session_;
@@ -136,10 +195,12 @@ void InferenceOptions::describe(OptionTable& table) {
   table.add("backend", backend,
             "library that runs the network; auto: the quickest that can (oneDNN, else ONNX Runtime "
             "if its library is named, else OpenCV)");
-  table.add("device", device, "cuda needs backend opencv and an OpenCV that was built with it");
+  table.add("device", device,
+            "cuda: the GPU, by an OpenCV or ONNX Runtime that was built with CUDA; where there is "
+            "none the CPU, with a warning; auto: the same without one");
   table.add("precision", precision,
             "auto: bfloat16 where the processor multiplies matrices of it (AMX), else float32; "
-            "bfloat16 needs backend onednn, float16 device cuda");
+            "bfloat16 and int8 need backend onednn, int8 also `ranges`, float16 device cuda");
   table.add("threads", threads, {1, 64}, "",
             "processor cores for one picture; tracking needs the others");
   table.add("onnxruntime", onnxruntime, {},
@@ -155,7 +216,7 @@ Result<std::unique_ptr<InferenceSession>> load_network(const std::filesystem::pa
   };
   Result<OnnxGraph> graph = read_sound_graph(*bytes, options);
   if (!graph) return failure(graph.error().message);
-  SessionResult session = make_session(*bytes, options);
+  SessionResult session = make_session(*bytes, options, onnx_file.lexically_normal().string());
   if (!session) return failure(session.error().message);
   return std::unique_ptr<InferenceSession>(
       std::make_unique<CheckedSession>(std::move(*session), without_weights(std::move(*graph))));

@@ -10,7 +10,8 @@
 #include "ydd/inference/network.h"
 
 /// The inference libraries behind load_network(). Each makes a session of a complete ONNX file in
-/// memory; the failure does not name the file.
+/// memory; the failure does not name the file. `options.device` is cpu or cuda here: what is asked
+/// for is what they do or fail.
 namespace ydd {
 
 using SessionResult = Result<std::unique_ptr<InferenceSession>>;
@@ -22,7 +23,8 @@ SessionResult make_opencv_session(std::string_view onnx, const InferenceOptions&
 /// processors without AVX2, and where this build has no oneDNN.
 SessionResult make_onednn_session(std::string_view onnx, const InferenceOptions& options);
 
-/// Whatever ONNX Runtime reads; its shared library is looked for when the program runs.
+/// Whatever ONNX Runtime reads; its shared library is looked for when the program runs, and so is
+/// its CUDA provider.
 SessionResult make_onnxruntime_session(std::string_view onnx, const InferenceOptions& options);
 
 }  // namespace ydd

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstddef>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@ namespace ydd {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 namespace onnx = testing_onnx;
 
 class NetworkFile : public testing::Test {
@@ -122,14 +124,51 @@ TEST_F(NetworkFile, ABackendThatIsNotThereIsNamed) {
   EXPECT_THAT(failure_of(model, {.backend = Backend::opencv, .precision = Precision::float16}),
               HasSubstr("float16 needs 'device: cuda'"));
   EXPECT_THAT(failure_of(model, {.backend = Backend::onednn, .device = Device::cuda}),
-              HasSubstr("'device: cuda' needs 'backend: opencv'"));
+              HasSubstr("'device: cuda' needs 'backend: opencv', 'onnxruntime' or 'auto'"));
   EXPECT_THAT(failure_of(model, {.backend = Backend::onnxruntime, .onnxruntime = "/no/such.so"}),
               HasSubstr("ONNX Runtime cannot be loaded: /no/such.so"));
   EXPECT_THAT(failure_of(model, {.backend = Backend::onnxruntime, .onnxruntime = "libm.so.6"}),
               HasSubstr("is not ONNX Runtime"));
-  const std::string cuda = failure_of(model, {.device = Device::cuda});
-  if (cuda == "loaded") GTEST_SKIP() << "this OpenCV has CUDA";
-  EXPECT_THAT(cuda, HasSubstr("'device: cuda' is not available"));
+}
+
+TEST_F(NetworkFile, WithoutAGpuTheCpuComputesAndOneLineSaysSo) {
+  onnx::write(file(), onnx::colour_spotter_model());
+  const std::vector<float> blob = [] {
+    std::vector<float> values(std::size_t{3} * 32 * 64);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i % 251);
+    return values;
+  }();
+  const Tensor input{{1, 3, 32, 64}, blob};
+  struct Answer {
+    std::string device, said;
+    std::vector<std::vector<float>> values;
+  };
+  const auto answer = [&](const InferenceOptions& options) {
+    testing::internal::CaptureStderr();
+    auto session = load_network(file(), options);
+    Answer out{"", testing::internal::GetCapturedStderr(), {}};
+    EXPECT_TRUE(session.ok()) << session.error().message;
+    if (!session) return out;
+    out.device = (*session)->device();
+    for (const Tensor& t : *(*session)->run(input)) {
+      out.values.emplace_back(t.values.begin(), t.values.end());
+    }
+    return out;
+  };
+  const Answer cpu = answer({});
+  EXPECT_EQ(cpu.device, "cpu");
+  const Answer automatic = answer({.device = Device::automatic});
+  if (automatic.device == "cuda") GTEST_SKIP() << "there is a GPU";
+  EXPECT_EQ(automatic.device, "cpu");
+  EXPECT_EQ(automatic.said, "");
+  for (const Precision precision : {Precision::automatic, Precision::float16}) {
+    const Answer asked = answer({.device = Device::cuda, .precision = precision});
+    EXPECT_THAT(asked.device, StartsWith("cpu (cuda was asked for: OpenCV "));
+    EXPECT_THAT(asked.said, HasSubstr("model.onnx: is computed on the CPU instead of 'device: "
+                                      "cuda': OpenCV "));
+    EXPECT_EQ(std::count(asked.said.begin(), asked.said.end(), '\n'), 1) << asked.said;
+    EXPECT_EQ(asked.values, cpu.values);
+  }
 }
 
 TEST_F(NetworkFile, WhatOneDnnDoesNotKnowGoesToOpenCv) {

@@ -5,6 +5,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "ydd/inference/onednn_versions.h"
+
 namespace ydd {
 namespace {
 
@@ -34,23 +36,11 @@ float alpha_of(const Layer& layer) {
 
 dnnl::primitive_attr attributes_of(const Layer& layer, bool activates, bool adds) {
   dnnl::post_ops after_it;
-  if (activates && layer.activation != Activation::none) {
-    after_it.append_eltwise(1.0F, algorithm_of(layer.activation), alpha_of(layer), 0.0F);
-  }
+  if (activates && layer.activation != Activation::none) append_activation(after_it, layer, 1.0F);
   if (adds && layer.residual) after_it.append_sum(1.0F);
   dnnl::primitive_attr attributes;
   attributes.set_post_ops(after_it);
   return attributes;
-}
-
-/// Blocked kernels are compiled for the layout; general ones unfold the windows for a product of
-/// matrices.
-bool is_compiled(const std::string& implementation) {
-  return implementation.rfind("jit", 0) == 0 || implementation.rfind("brg", 0) == 0;
-}
-
-memory::desc in_any_layout(const memory::desc& map) {
-  return {map.dims(), map.data_type(), memory::format_tag::any};
 }
 
 /// oneDNN's first answer to this form of the problem that is no reference, if there is one.
@@ -58,15 +48,15 @@ std::optional<Convolution::primitive_desc> ask(const ConvolutionProblem& problem
                                                const dnnl::primitive_attr& attributes,
                                                bool any_destination, const dnnl::engine& engine) {
   const Layer& layer = problem.layer;
-  const Convolution::desc form(
-      dnnl::prop_kind::forward_inference, dnnl::algorithm::convolution_direct,
-      problem.any_source_layout ? in_any_layout(problem.source) : problem.source,
-      {convolution_weight_dims(layer), problem.source.data_type(), memory::format_tag::any},
+  Convolution::primitive_desc kernel = onednn::convolution(
+      problem.any_source_layout ? onednn::in_any_layout(problem.source) : problem.source,
+      {convolution_weight_dims(layer), onednn::type_of(problem.source), memory::format_tag::any},
       {{layer.weights.dims[0]}, memory::data_type::f32, memory::format_tag::a},
-      any_destination ? in_any_layout(problem.destination) : problem.destination,
-      dims_of(layer.window.stride), dims_of(layer.window.dilation, 1),
-      dims_of(layer.window.pad_begin), dims_of(layer.window.pad_end));
-  Convolution::primitive_desc kernel(form, attributes, engine, /*allow_empty=*/true);
+      any_destination ? onednn::in_any_layout(problem.destination) : problem.destination,
+      {dims_of(layer.window.kernel), dims_of(layer.window.stride),
+       dims_of(layer.window.dilation, 1), dims_of(layer.window.pad_begin),
+       dims_of(layer.window.pad_end)},
+      attributes, engine);
   if (!kernel) return std::nullopt;
   while (is_reference(kernel.impl_info_str())) {
     if (!kernel.next_impl()) return std::nullopt;
@@ -76,12 +66,20 @@ std::optional<Convolution::primitive_desc> ask(const ConvolutionProblem& problem
 
 }  // namespace
 
+void append_activation(dnnl::post_ops& after_it, const Layer& layer, float scale) {
+  onednn::append_activation(after_it, algorithm_of(layer.activation), alpha_of(layer), scale);
+}
+
 memory::dims dims_of(const std::array<int, 2>& pair, int less) {
   return {pair[0] - less, pair[1] - less};
 }
 
 bool is_reference(const std::string& implementation) {
   return implementation.rfind("ref", 0) == 0 || implementation.find(":ref") != std::string::npos;
+}
+
+bool is_compiled(const std::string& implementation) {
+  return implementation.rfind("jit", 0) == 0 || implementation.rfind("brg", 0) == 0;
 }
 
 memory::dims convolution_weight_dims(const Layer& layer) {
@@ -116,11 +114,9 @@ ConvolutionKernel choose_convolution(const ConvolutionProblem& problem,
 
 dnnl::eltwise_forward::primitive_desc choose_activation(const Layer& layer, const memory::desc& map,
                                                         const dnnl::engine& engine) {
-  return without_reference(dnnl::eltwise_forward::primitive_desc(
-                               {dnnl::prop_kind::forward_inference, algorithm_of(layer.activation),
-                                map, alpha_of(layer), 0.0F},
-                               engine),
-                           "an activation of the network here");
+  return without_reference(
+      onednn::activation(map, algorithm_of(layer.activation), alpha_of(layer), engine),
+      "an activation of the network here");
 }
 
 }  // namespace ydd

@@ -13,6 +13,9 @@ namespace ydd {
 /// oneDNN always has an answer: where it has no kernel for a processor, a reference implementation
 /// that is a hundred times slower. No plan may hold one of those.
 bool is_reference(const std::string& implementation);
+/// Blocked kernels are compiled for the layout; general ones unfold the windows for a product of
+/// matrices.
+bool is_compiled(const std::string& implementation);
 
 /// A convolution in the terms of oneDNN. Maps lie channels last.
 struct ConvolutionProblem {
@@ -34,6 +37,9 @@ struct ConvolutionKernel {
 /// activation, nor for all layouts.
 /// @throws dnnl::error, std::runtime_error where there is none.
 ConvolutionKernel choose_convolution(const ConvolutionProblem& problem, const dnnl::engine& engine);
+
+/// The activation of `layer`, times `scale`, after what `after_it` already does.
+void append_activation(dnnl::post_ops& after_it, const Layer& layer, float scale);
 
 dnnl::eltwise_forward::primitive_desc choose_activation(const Layer& layer,
                                                         const dnnl::memory::desc& map,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What oneDNN chooses on other processors than this one: it can be held to fewer instructions, but
 // only before its first use in a process, so that each case runs in a process of its own.
-#ifdef YDD_WITH_ONEDNN
+#if defined(YDD_WITH_ONEDNN) && defined(__x86_64__)
 #include "ydd/inference/onednn_plan.h"
 
 #include <algorithm>
@@ -17,6 +17,7 @@
 #include "ydd/base/files.h"
 #include "ydd/inference/network_backends.h"
 #include "ydd/inference/onednn_kernels.h"
+#include "ydd/inference/onednn_versions.h"
 #include "ydd/inference/tiny_onnx_testing.h"
 
 namespace ydd {
@@ -32,7 +33,7 @@ constexpr ForcedIsa kIsas[] = {{"sse41", dnnl::cpu_isa::sse41},
                                {"avx2", dnnl::cpu_isa::avx2},
                                {"avx512_core", dnnl::cpu_isa::avx512_core},
                                {"avx512_core_vnni", dnnl::cpu_isa::avx512_core_vnni},
-                               {"all", dnnl::cpu_isa::all}};
+                               {"all", onednn::kEveryIsa}};
 
 [[noreturn]] void end_child(const std::string& complaint) {
   std::fputs(complaint.c_str(), stderr);
@@ -47,7 +48,7 @@ constexpr ForcedIsa kIsas[] = {{"sse41", dnnl::cpu_isa::sse41},
   Result<LayerGraph> layers =
       graph ? make_layers(std::move(*graph)) : Result<LayerGraph>(graph.error());
   if (!layers) end_child(layers.error().message);
-  OnednnPlan plan(*layers, shape, false, 1);
+  OnednnPlan plan(*layers, shape, {});
   if (plan.implementations().size() < 10) end_child("a plan of almost nothing");
   for (const std::string& name : plan.implementations()) {
     if (is_reference(name)) end_child("reference kernel: " + name);

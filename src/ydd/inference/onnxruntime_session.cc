@@ -80,7 +80,7 @@ class Library {
     if (table == nullptr) {
       return Error{file + ": is not ONNX Runtime 1.11 or newer"};
     }
-    return Library(table);
+    return Library(table, handle);
   }
 
   template <class Function>
@@ -91,7 +91,10 @@ class Library {
   /// Calls a function that can fail.
   template <class... Arguments>
   Result<void> call(Entry place, Arguments... arguments) const {
-    const Status status = entry<Status (*)(Arguments...)>(place)(arguments...);
+    return checked(entry<Status (*)(Arguments...)>(place)(arguments...));
+  }
+
+  Result<void> checked(Status status) const {
     if (status == nullptr) return {};
     std::string reason = entry<const char* (*)(Status)>(kGetErrorMessage)(status);
     entry<void (*)(Status)>(kReleaseStatus)(status);
@@ -99,13 +102,23 @@ class Library {
     return Error{reason.substr(0, 300)};
   }
 
+  /// Lets sessions of `session_options` compute on the first GPU. By the one function for it that
+  /// builds with CUDA have exported since their first version, beside the table.
+  Result<void> add_cuda(Opaque session_options) const {
+    const auto add = reinterpret_cast<Status (*)(Opaque, int)>(
+        dlsym(handle_, "OrtSessionOptionsAppendExecutionProvider_CUDA"));
+    if (add == nullptr) return Error{"this ONNX Runtime was built without CUDA"};
+    return checked(add(session_options, 0));
+  }
+
   void release(Entry place, Opaque what) const {
     if (what != nullptr) entry<void (*)(Opaque)>(place)(what);
   }
 
  private:
-  explicit Library(const Opaque* table) : table_(table) {}
+  Library(const Opaque* table, void* handle) : table_(table), handle_(handle) {}
   const Opaque* table_;  // as long as the process: the library stays loaded
+  void* handle_;
 };
 
 /// Something that the library made, given back at the end.
@@ -130,13 +143,14 @@ class Handle {
 
 class OnnxRuntimeSession : public InferenceSession {
  public:
-  static SessionResult make(const Library& library, std::string_view onnx, int threads,
-                            std::vector<std::string> input_names,
+  static SessionResult make(const Library& library, std::string_view onnx,
+                            const InferenceOptions& wanted, std::vector<std::string> input_names,
                             std::vector<std::string> output_names) {
     std::unique_ptr<OnnxRuntimeSession> out(new OnnxRuntimeSession(library));
     out->input_names_ = std::move(input_names);
     out->output_names_ = std::move(output_names);
-    if (auto made = out->start(onnx, threads); !made) {
+    out->device_ = to_string(wanted.device);
+    if (auto made = out->start(onnx, wanted); !made) {
       return Error{"ONNX Runtime cannot load it: " + made.error().message};
     }
     return std::unique_ptr<InferenceSession>(std::move(out));
@@ -148,6 +162,7 @@ class OnnxRuntimeSession : public InferenceSession {
     return Error{fmt::format("cannot take an input of {}: {}", format_shape(input.shape),
                              outputs.error().message)};
   }
+  std::string device() const override { return device_; }
 
  private:
   explicit OnnxRuntimeSession(const Library& library)
@@ -156,7 +171,7 @@ class OnnxRuntimeSession : public InferenceSession {
         memory_(library, kReleaseMemoryInfo),
         session_(library, kReleaseSession) {}
 
-  Result<void> start(std::string_view onnx, int threads) {
+  Result<void> start(std::string_view onnx, const InferenceOptions& wanted) {
     Handle options(library_, kReleaseSessionOptions);
     const char* const name = "ydd";
     if (auto r = library_.call(kCreateEnv, kFatalMessagesOnly, name, environment_.place()); !r) {
@@ -164,7 +179,10 @@ class OnnxRuntimeSession : public InferenceSession {
     }
     if (auto r = library_.call(kCreateSessionOptions, options.place()); !r) return r;
     for (const Entry entry : {kSetIntraOpNumThreads, kSetInterOpNumThreads}) {
-      if (auto r = library_.call(entry, options.get(), threads); !r) return r;
+      if (auto r = library_.call(entry, options.get(), wanted.threads); !r) return r;
+    }
+    if (wanted.device == Device::cuda) {
+      if (auto r = library_.add_cuda(options.get()); !r) return r;
     }
     const auto* const model = static_cast<const void*>(onnx.data());
     if (auto r = library_.call(kCreateSessionFromArray, environment_.get(), model, onnx.size(),
@@ -237,6 +255,7 @@ class OnnxRuntimeSession : public InferenceSession {
 
   Library library_;
   std::vector<std::string> input_names_, output_names_;
+  std::string device_;
   Handle environment_, memory_, session_;  // destroyed from the last to the first
   std::vector<Handle> outputs_;
 };
@@ -244,10 +263,11 @@ class OnnxRuntimeSession : public InferenceSession {
 }  // namespace
 
 SessionResult make_onnxruntime_session(std::string_view onnx, const InferenceOptions& options) {
-  if (options.precision == Precision::bfloat16)
-    return Error{"precision bfloat16 needs 'backend: onednn'"};
+  if (options.precision == Precision::bfloat16 || options.precision == Precision::int8) {
+    return Error{fmt::format("precision {} needs 'backend: onednn'", to_string(options.precision))};
+  }
   if (options.precision == Precision::float16)
-    return Error{"precision float16 needs 'device: cuda'"};
+    return Error{"precision float16 needs 'backend: opencv' and 'device: cuda'"};
   const Result<Library> library = Library::open(options.onnxruntime);
   if (!library) return library.error();
   const Result<OnnxGraph> graph = read_onnx(onnx);
@@ -255,7 +275,7 @@ SessionResult make_onnxruntime_session(std::string_view onnx, const InferenceOpt
   if (graph->inputs.size() != 1 || graph->outputs.empty()) {
     return Error{"has more than one input, or none, or no output"};
   }
-  return OnnxRuntimeSession::make(*library, onnx, options.threads, graph->inputs, graph->outputs);
+  return OnnxRuntimeSession::make(*library, onnx, options, graph->inputs, graph->outputs);
 }
 
 }  // namespace ydd

@@ -51,8 +51,11 @@ class Threads {
 
 class OpenCvSession : public InferenceSession {
  public:
-  OpenCvSession(const cv::dnn::Net& net, int threads)  // a handle
-      : net_(net), output_names_(net_.getUnconnectedOutLayersNames()), threads_(threads) {}
+  OpenCvSession(const cv::dnn::Net& net, const InferenceOptions& options)  // a handle
+      : net_(net),
+        output_names_(net_.getUnconnectedOutLayersNames()),
+        threads_(options.threads),
+        device_(to_string(options.device)) {}
 
   Result<std::vector<Tensor>> run(const Tensor& input) override {
     const QuietOpenCv quiet;
@@ -68,6 +71,7 @@ class OpenCvSession : public InferenceSession {
     }
     return views();
   }
+  std::string device() const override { return device_; }
 
  private:
   Result<std::vector<Tensor>> views() const {
@@ -85,31 +89,41 @@ class OpenCvSession : public InferenceSession {
   cv::dnn::Net net_;
   std::vector<cv::String> output_names_;
   int threads_;
+  std::string device_;
   std::vector<cv::Mat> outputs_;  // keeps alive what views() points to
 };
 
-Result<void> choose_target(cv::dnn::Net& net, const InferenceOptions& options) {
+struct Target {
+  cv::dnn::Backend backend;
+  cv::dnn::Target target;
+};
+
+bool is_built_with_cuda() {
+  const std::string built = cv::getBuildInformation();
+  const std::size_t line = built.find("NVIDIA CUDA:");
+  return line != std::string::npos &&
+         built.substr(line, built.find('\n', line) - line).find("YES") != std::string::npos;
+}
+
+Result<Target> choose_target(const InferenceOptions& options) {
   const bool half = options.precision == Precision::float16;
+  if (options.precision == Precision::bfloat16 || options.precision == Precision::int8) {
+    return Error{fmt::format("precision {} needs 'backend: onednn'", to_string(options.precision))};
+  }
   if (options.device == Device::cpu) {
     if (half) return Error{"precision float16 needs 'device: cuda'"};
-    if (options.precision == Precision::bfloat16) {
-      return Error{"precision bfloat16 needs 'backend: onednn'"};
-    }
-    net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
-    net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
-    return {};
+    return Target{cv::dnn::DNN_BACKEND_OPENCV, cv::dnn::DNN_TARGET_CPU};
+  }
+  if (!is_built_with_cuda()) {
+    return Error{fmt::format("OpenCV {} was built without CUDA", CV_VERSION)};
   }
   const cv::dnn::Target target = half ? cv::dnn::DNN_TARGET_CUDA_FP16 : cv::dnn::DNN_TARGET_CUDA;
   const auto targets = cv::dnn::getAvailableTargets(cv::dnn::DNN_BACKEND_CUDA);
   if (std::find(targets.begin(), targets.end(), target) == targets.end()) {
-    return Error{fmt::format(
-        "'device: cuda'{} is not available: this OpenCV was built without CUDA or finds no such "
-        "GPU; use 'device: cpu'",
-        half ? " with float16" : "")};
+    return Error{fmt::format("OpenCV {} finds no GPU that it can use{}", CV_VERSION,
+                             half ? " with float16" : "")};
   }
-  net.setPreferableBackend(cv::dnn::DNN_BACKEND_CUDA);
-  net.setPreferableTarget(target);
-  return {};
+  return Target{cv::dnn::DNN_BACKEND_CUDA, target};
 }
 
 }  // namespace
@@ -117,10 +131,13 @@ Result<void> choose_target(cv::dnn::Net& net, const InferenceOptions& options) {
 SessionResult make_opencv_session(std::string_view onnx, const InferenceOptions& options) {
   const QuietOpenCv quiet;
   try {
+    const Result<Target> chosen = choose_target(options);
+    if (!chosen) return chosen.error();
     cv::dnn::Net net = cv::dnn::readNetFromONNX(onnx.data(), onnx.size());
     if (net.empty()) return Error{"holds no network"};
-    if (auto chosen = choose_target(net, options); !chosen) return chosen.error();
-    return std::unique_ptr<InferenceSession>(std::make_unique<OpenCvSession>(net, options.threads));
+    net.setPreferableBackend(chosen->backend);
+    net.setPreferableTarget(chosen->target);
+    return std::unique_ptr<InferenceSession>(std::make_unique<OpenCvSession>(net, options));
   } catch (const std::exception& e) {
     return Error{fmt::format("OpenCV {} cannot load it: {}", CV_VERSION, reason_of(e))};
   }

@@ -68,10 +68,12 @@ class BoundedQueue final : public httplib::TaskQueue {
       });
     }
   }
-  void enqueue(std::function<void()> task) override {
+  /// Newer versions of the library want to know whether the task was taken, older ones nothing.
+  using Taken = decltype(std::declval<httplib::TaskQueue&>().enqueue(nullptr));
+  Taken enqueue(std::function<void()> task) override {
     ++load_.all;
     ++load_.waiting;
-    tasks_.push(std::move(task));
+    return static_cast<Taken>(tasks_.push(std::move(task)));
   }
   void shutdown() override {
     tasks_.close();

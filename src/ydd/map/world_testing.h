@@ -94,7 +94,8 @@ inline View look(const PointWorld& world, const SE3& T_world_camera,
     const double sigma_px =
         options.noise_px * world.scales.factor[static_cast<std::size_t>(octave)];
     Eigen::Vector2d px = camera.project(p_camera);
-    px += sigma_px * Eigen::Vector2d(normal(random), normal(random));
+    const double v = normal(random);
+    px += sigma_px * Eigen::Vector2d(normal(random), v);
     if (!camera.contains(px)) {
       continue;
     }

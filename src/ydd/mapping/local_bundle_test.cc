@@ -52,7 +52,8 @@ struct DisturbedScene {
       built.atlas.set_pose(built.keyframes[i], views[i].T_world_camera * SE3::exp(twist));
     }
     for (const MapPointId id : built.atlas.points().ids()) {
-      const Eigen::Vector3d shift(normal(random), normal(random), normal(random));
+      const double z = normal(random), y = normal(random);
+      const Eigen::Vector3d shift(normal(random), y, z);
       built.atlas.set_position(id, built.atlas.at(id).p_world + 0.03 * shift);
     }
   }

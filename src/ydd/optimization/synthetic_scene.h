@@ -45,7 +45,8 @@ inline PoseScene make_pose_scene(const PoseSceneOptions& options) {
   scene.T_camera_world = SE3::exp(random_twist(random, 1.0, 1.0));
   const SE3 T_world_camera = scene.T_camera_world.inverse();
   for (int i = 0; i < options.observations; ++i) {
-    const Eigen::Vector2d px(unit(random) * c.width_px, unit(random) * c.height_px);
+    const double v_px = unit(random) * c.height_px;
+    const Eigen::Vector2d px(unit(random) * c.width_px, v_px);
     const double depth_m = 0.5 + 4.5 * unit(random);
     const double sigma_px = std::pow(1.2, static_cast<int>(8 * unit(random)));
     const double noise_px = options.noise * sigma_px;
@@ -100,8 +101,9 @@ inline BundleScene make_bundle_scene(const BundleSceneOptions& options) {
     scene.truth.poses.push_back({T, i < options.fixed_poses});
   }
   while (static_cast<int>(scene.truth.points.size()) < options.points) {
-    const Eigen::Vector3d p((options.path_m + 2.0) * unit(random) - 1.0, 3.0 * unit(random) - 1.5,
-                            1.5 + 3.5 * unit(random));
+    const double z = 1.5 + 3.5 * unit(random);
+    const double y = 3.0 * unit(random) - 1.5;
+    const Eigen::Vector3d p((options.path_m + 2.0) * unit(random) - 1.0, y, z);
     const int index = static_cast<int>(scene.truth.points.size());
     int views = 0;
     for (int i = 0; i < options.poses && views < options.most_views; ++i) {

@@ -45,6 +45,7 @@ function drawSummary() {
   document.getElementById('subtitle').textContent = [
     'variant ' + summary.variant,
     summary.detector ? 'detector ' + fileName(summary.detector) : 'no detector',
+    summary.detector_device && summary.detector_device !== 'cpu' ? 'network on ' + summary.detector_device : '',
     summary.deterministic ? 'deterministic' : 'threaded',
     summary.realtime ? 'real time' : '',
     'seed ' + summary.seed].filter(Boolean).join(' · ');

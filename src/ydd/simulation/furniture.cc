@@ -240,9 +240,10 @@ Parts make_plant(SceneBuilder& builder, float height_m) {
     const float z = random.uniform_f(0.25F, height_m);
     const float reach = 0.12F + 0.3F * random.uniform_f(0.3F, 1.0F) * (1.2F - z / height_m);
     const Mesh leaf = make_ellipsoid({0.5F * reach, 0, 0}, {0.5F * reach, 0.045F, 0.006F}, 8, 6);
-    const SE3 T = shift(0, 0, static_cast<double>(z)) *
-                  turn(Eigen::Vector3d::UnitZ(), random.uniform(0.0, 6.28)) *
-                  turn(Eigen::Vector3d::UnitY(), random.uniform(-0.9, 0.3));
+    const double down_rad = random.uniform(-0.9, 0.3);
+    const double around_rad = random.uniform(0.0, 6.28);
+    const SE3 T = shift(0, 0, static_cast<double>(z)) * turn(Eigen::Vector3d::UnitZ(), around_rad) *
+                  turn(Eigen::Vector3d::UnitY(), down_rad);
     leaves.push_back(transformed(with_uv(leaf, {0.2F, 0.2F}, {random.uniform_f(0, 1), 0.0F}), T));
   }
   leaves.push_back(make_lathe({{0.015F, 0.2F}, {0.01F, height_m}}, 8));

@@ -37,8 +37,6 @@ Vector3 lamp_corner(const Lamp& lamp, int i) {
 }
 
 bool occluded(RTCScene scene, const Vector3& from, const Vector3& ray, float reach) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRay r{};
   r.org_x = from.x();
   r.org_y = from.y();
@@ -49,7 +47,7 @@ bool occluded(RTCScene scene, const Vector3& from, const Vector3& ray, float rea
   r.tnear = 0.0F;
   r.tfar = reach;
   r.mask = ~0U;
-  rtcOccluded1(scene, &context, &r);
+  find_occluded(scene, r);
   return r.tfar < 0;
 }
 

@@ -49,8 +49,9 @@ class Tailor {
     trousers_ = cloth(static_cast<Cloth>(second));
     tone_ = Colour(bgr(0.48F, 0.60F, 0.82F) * random_.uniform_f(0.55F, 1.05F));
     skin_ = builder.add_texture(paint_plain(random_.fork(5), 128, tone_, 0.05F), Wrap::repeat);
-    const Colour hair = hsv(random_.uniform_f(0.02F, 0.1F), random_.uniform_f(0.2F, 0.7F),
-                            random_.uniform_f(0.08F, 0.45F));
+    const float value = random_.uniform_f(0.08F, 0.45F);
+    const float saturation = random_.uniform_f(0.2F, 0.7F);
+    const Colour hair = hsv(random_.uniform_f(0.02F, 0.1F), saturation, value);
     face_ = builder.add_texture(paint_head(random_.fork(6), 512, 256, tone_, hair));
   }
 

@@ -118,7 +118,8 @@ void street_map(Random& random, Canvas& canvas) {
   for (int i = 0; i < 70; ++i) {
     const Vector2 at = point_in(random, 0, 0, s.w, s.h);
     const Vector2 half = point_in(random, 0.01F, 0.01F, 0.05F, 0.05F) * s.side;
-    canvas.fill_rectangle(at, half, random.uniform_f(0.0F, 1.5F), any_colour(random), 0.9F);
+    const Colour block = any_colour(random);
+    canvas.fill_rectangle(at, half, random.uniform_f(0.0F, 1.5F), block, 0.9F);
   }
   for (int i = 0; i < 26; ++i) {
     Vector2 from = point_in(random, 0, 0, s.w, s.h);
@@ -283,7 +284,8 @@ Canvas paint_spine(Random random, int width, int height) {
   const int bands = random.integer(1, 3);
   for (int i = 0; i < bands; ++i) {
     const float y = random.uniform_f(0.02F, 0.9F) * s.h;
-    canvas.fill_box(-1, y, s.w, y + random.uniform_f(0.01F, 0.08F) * s.h, any_colour(random));
+    const Colour band = any_colour(random);
+    canvas.fill_box(-1, y, s.w, y + random.uniform_f(0.01F, 0.08F) * s.h, band);
   }
   canvas.write_text(random, 0.15F * s.w, 0.15F * s.h, 0.9F * s.w, 0.8F * s.h, 0.4F * s.w, ink);
   canvas.add_noise(random, 2.0F, grey(0.02F));

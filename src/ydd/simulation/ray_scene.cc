@@ -66,4 +66,49 @@ RayScene make_instance_scene(const Device& device, const std::vector<RayScene>& 
   return scene;
 }
 
+// What Embree 3 calls a context are arguments in Embree 4.
+#ifdef YDD_EMBREE4
+void intersect(RTCScene scene, const int* valid, RTCRayHit8& rays, bool coherent) {
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  rtcIntersect8(valid, scene, &rays, &arguments);
+}
+
+void find_occluded(RTCScene scene, const int* valid, RTCRay8& rays, bool coherent) {
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  rtcOccluded8(valid, scene, &rays, &arguments);
+}
+
+void find_occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray, nullptr); }
+#else
+namespace {
+
+RTCIntersectContext context_of(bool coherent) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  return context;
+}
+
+}  // namespace
+
+void intersect(RTCScene scene, const int* valid, RTCRayHit8& rays, bool coherent) {
+  RTCIntersectContext context = context_of(coherent);
+  rtcIntersect8(valid, scene, &context, &rays);
+}
+
+void find_occluded(RTCScene scene, const int* valid, RTCRay8& rays, bool coherent) {
+  RTCIntersectContext context = context_of(coherent);
+  rtcOccluded8(valid, scene, &context, &rays);
+}
+
+void find_occluded(RTCScene scene, RTCRay& ray) {
+  RTCIntersectContext context = context_of(false);
+  rtcOccluded1(scene, &context, &ray);
+}
+#endif
+
 }  // namespace ydd::sim

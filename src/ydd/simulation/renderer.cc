@@ -184,10 +184,7 @@ Renderer::Exposure::Hits Renderer::Exposure::trace(const PacketPixels& pixels,
     rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(valid.data(), rays_.get(), &context, &rays);
+  intersect(rays_.get(), valid.data(), rays, coherent);
   Hits hits;
   for (int i = 0; i < pixels.count; ++i) {
     if (rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
@@ -224,10 +221,7 @@ void Renderer::Exposure::test_projector(const PacketPixels& pixels, const Hits& 
     rays.mask[i] = ~0U;
     rays.flags[i] = 0;
   }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcOccluded8(valid.data(), rays_.get(), &context, &rays);
+  find_occluded(rays_.get(), valid.data(), rays, true);
   for (int i = 0; i < pixels.count; ++i) lit[i] = rays.tfar[i] >= 0;
 }
 

@@ -128,7 +128,8 @@ void RoomBuilder::build_floor_and_ceiling() {
 void RoomBuilder::build_wall(int index) {
   const Wall& wall = walls_[index];
   Random random = builder_.next_random();
-  const Colour base = hsv(random.uniform_f(0.05F, 0.6F), random.uniform_f(0.03F, 0.14F), 0.8F);
+  const float saturation = random.uniform_f(0.03F, 0.14F);
+  const Colour base = hsv(random.uniform_f(0.05F, 0.6F), saturation, 0.8F);
   const auto contrast = static_cast<float>(0.3 + 0.7 * wall_detail());
   const int paint = builder_.add_texture(
       paint_plaster(random.fork(1), texels(wall.length_m), texels(kH), base, contrast));
@@ -214,12 +215,14 @@ void RoomBuilder::furnish_desk(int wall, float along, int monitors, std::uint64_
   put(make_keyboard(builder_, builder_.add_object("keyboard")), -0.1, 0.6,
       random.uniform(-0.1, 0.1));
   put(make_mouse(builder_, builder_.add_object("mouse")), 0.22, 0.6, random.uniform(-0.3, 0.3));
-  put(make_mug(builder_, builder_.add_object("cup")), 0.45, 0.45 + random.uniform(0.0, 0.15),
-      random.uniform(0.0, 6.0));
+  const double mug_turn_rad = random.uniform(0.0, 6.0);
+  const double mug_out = 0.45 + random.uniform(0.0, 0.15);
+  put(make_mug(builder_, builder_.add_object("cup")), 0.45, mug_out, mug_turn_rad);
   for (int pile = 0; pile < 2; ++pile) {
     const double x = pile == 0 ? 0.6 : -0.66;
-    put(make_flat_book(builder_, builder_.add_object("book"), 0.2F, 0.27F), x,
-        random.uniform(0.25, 0.6), random.uniform(-0.5, 0.5));
+    const double turn_rad = random.uniform(-0.5, 0.5);
+    const double out = random.uniform(0.25, 0.6);
+    put(make_flat_book(builder_, builder_.add_object("book"), 0.2F, 0.27F), x, out, turn_rad);
   }
 }
 

@@ -73,8 +73,9 @@ int SceneBuilder::add_limb(int whole, const std::string& class_name, const std::
 }
 
 Part SceneBuilder::cut(Mesh mesh, int material, int object) {
-  const Eigen::Vector2f offset(random_.uniform_f(0.0F, 3.0F), random_.uniform_f(0.0F, 3.0F));
-  return {with_uv(std::move(mesh), Eigen::Vector2f::Ones(), offset), material,
+  const float v = random_.uniform_f(0.0F, 3.0F);
+  const float u = random_.uniform_f(0.0F, 3.0F);
+  return {with_uv(std::move(mesh), Eigen::Vector2f::Ones(), {u, v}), material,
           Eigen::Vector2f::Constant(1.0F / texel_m_), object};
 }
 

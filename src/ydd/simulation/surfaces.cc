@@ -60,8 +60,9 @@ void paint_checks(Random& random, Canvas& canvas, float unit) {
         canvas.fill_ellipse({x + 0.5F * unit, y + 0.5F * unit}, {0.25F * unit, 0.25F * unit}, 0.0F,
                             contrasting(random, tint));
       }
+      const Colour dash = vivid(random);
       canvas.fill_rectangle({x + 1.5F * unit, y + 0.5F * unit}, {0.18F * unit, 0.3F * unit},
-                            random.uniform_f(0.0F, 3.0F), vivid(random));
+                            random.uniform_f(0.0F, 3.0F), dash);
     }
   }
 }
@@ -74,8 +75,9 @@ void paint_stripes(Random& random, Canvas& canvas, float unit) {
     canvas.fill_box(0, y, size, y + thickness, colour);
     for (float x = 0; x < size; x += unit * random.uniform_f(0.8F, 2.5F)) {
       const float half = 0.3F * thickness;
+      const Colour patch = contrasting(random, colour);
       canvas.fill_rectangle({x, y + 0.5F * thickness}, {half, half}, random.uniform_f(0.0F, 1.5F),
-                            contrasting(random, colour));
+                            patch);
     }
     y += thickness;
   }
@@ -121,8 +123,9 @@ Canvas paint_plaster(Random random, int width, int height, const Colour& base, f
   for (int i = 0; i < scuffs; ++i) {
     const Vector2 at = random_point(random, canvas);
     const float r = std::exp(random.uniform_f(-6.8F, -4.9F)) * size;
-    canvas.fill_ellipse(at, {r, r * random.uniform_f(0.3F, 1.0F)}, random.uniform_f(0.0F, 3.0F),
-                        base * random.uniform_f(0.55F, 0.85F), 0.7F);
+    const Colour scuff = base * random.uniform_f(0.55F, 0.85F);
+    const float angle = random.uniform_f(0.0F, 3.0F);
+    canvas.fill_ellipse(at, {r, r * random.uniform_f(0.3F, 1.0F)}, angle, scuff, 0.7F);
   }
   return canvas;
 }
@@ -174,8 +177,9 @@ Canvas paint_rug(Random random, int width, int height, float texel_m) {
   for (float y = margin; y + unit < h - margin; y += unit) {
     for (float x = margin; x + unit < w - margin; x += unit) {
       const Vector2 at(x + 0.5F * unit, y + 0.5F * unit);
+      const Colour motif = vivid(random) * 0.8F;
       canvas.fill_rectangle(at, {0.45F * unit, 0.45F * unit}, 0.785F * random.uniform_f(0.0F, 1.0F),
-                            vivid(random) * 0.8F);
+                            motif);
       canvas.fill_ellipse(at, {0.2F * unit, 0.2F * unit}, 0.0F, vivid(random));
     }
   }

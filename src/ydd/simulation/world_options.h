@@ -9,10 +9,12 @@
 
 namespace ydd {
 
+/// How the camera moves: not at all, along or about its axes, on a half sphere, through rooms.
 enum class PathKind { stationary, xyz, rpy, halfsphere, room_loop };
 constexpr std::array<std::string_view, 5> choices_of(PathKind) {
   return {"static", "xyz", "rpy", "halfsphere", "room_loop"};
 }
+/// Depth as it is, or with the noise, the steps and the holes of a Kinect.
 enum class DepthModel { exact, kinect };
 constexpr std::array<std::string_view, 2> choices_of(DepthModel) { return {"exact", "kinect"}; }
 

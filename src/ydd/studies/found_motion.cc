@@ -83,7 +83,8 @@ std::vector<Mark> make_marks(const std::vector<Block>& blocks, std::mt19937& ran
           for (int k = 0; k < 3; ++k) mark.p[k] = blocks[b].low[k] + share(random) * size[k];
           mark.p[axis] = far ? blocks[b].high[axis] : blocks[b].low[axis];
           for (std::uint64_t& word : mark.descriptor) {
-            word = (std::uint64_t{random()} << 32U) | random();
+            const std::uint64_t upper = random();
+            word = (upper << 32U) | random();
           }
           marks.push_back(mark);
         }

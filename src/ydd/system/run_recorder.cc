@@ -32,6 +32,13 @@ Json stages_to_json(const std::map<std::string, Series>& stages) {
 }
 
 template <class Series>
+Json medians_to_json(const std::map<std::string, Series>& stages) {
+  Json out = Json::object();
+  for (const auto& [stage, series] : stages) out[stage] = statistics_of(series.cpu_ms).median;
+  return out;
+}
+
+template <class Series>
 Json series_to_json(const std::map<std::string, Series>& stages) {
   Json out = Json::object();
   for (const auto& [stage, series] : stages) out[stage] = series.wall_ms;
@@ -84,10 +91,18 @@ Json to_json(const LiveCounts& counts) {
           {"unplugged", counts.unplugged}};
 }
 
+template <class Span>
+Json spans_to_json(const std::vector<Span>& spans) {
+  Json out = Json::array();
+  for (const Span& span : spans) out.push_back({{"first", span.first}, {"last", span.last}});
+  return out;
+}
+
 Json to_json(const LoopCounts& counts) {
   return {{"keyframes_left_out", counts.keyframes_left_out},
           {"full_bundles", counts.full_bundles},
           {"full_bundles_merged", counts.full_bundles_merged},
+          {"full_bundles_begun_anew", counts.full_bundles_begun_anew},
           {"corrections_rebased", counts.rebased},
           {"corrections_refused", counts.refused},
           {"interrupted", counts.interrupted}};
@@ -165,8 +180,6 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
                                       double wall_seconds) const {
   const auto atlas = system.atlas();
   const MappingReports reports = system.mapping_reports();
-  Json lost = Json::array();
-  for (const Span& span : lost_) lost.push_back({{"first", span.first}, {"last", span.last}});
   Json skipped = Json::array();
   for (const auto& [frame, reason] : skipped_) {
     skipped.push_back({{"frame", frame}, {"reason", reason}});
@@ -174,10 +187,6 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
   Json rejected = Json::object();
   for (std::size_t i = 1; i < rules_.size(); ++i) {
     rejected[std::string(to_string(static_cast<Rule>(i)))] = rules_[i];
-  }
-  Json medians = Json::object();
-  for (const auto& [stage, series] : stages_) {
-    medians[stage] = statistics_of(series.cpu_ms).median;
   }
   Json commands = Json::array();
   for (const auto& [frame, command] : commands_) {
@@ -190,6 +199,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"incomplete", run.incomplete},
       {"variant", run.variant},
       {"detector", run.detector},
+      {"detector_device", run.device},
       {"deterministic", run.deterministic},
       {"realtime", run.realtime},
       {"seed", run.seed},
@@ -204,7 +214,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"frames_skipped", skipped},
       {"frames_tracked", tracked_},
       {"frames_coasting", doubts_},
-      {"lost_spans", lost},
+      {"lost_spans", spans_to_json(lost_)},
       {"loops", loops_to_json(reports.loops)},
       {"loop_closing", to_json(reports.loop_counts)},
       {"live_commands", commands},
@@ -217,7 +227,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"wall_seconds", wall_seconds},
       {"frames_per_second", wall_seconds > 0 ? processed_ / wall_seconds : 0.0},
       {"peak_resident_mb", peak_resident_mb()},
-      {"stage_median_cpu_ms", medians},
+      {"stage_median_cpu_ms", medians_to_json(stages_)},
   };
   return json_text(out, 2) + "\n";
 }

@@ -24,8 +24,9 @@ struct RunDescription {
   int seed = 0;
   std::string groundtruth = {};  ///< file; empty: the sequence has none
   std::string incomplete = {};   ///< why the run ended before its sequence did; empty: it did not
-  std::optional<Pairing> pairing = {};               ///< of colour and depth by time
-  DepthShift depth_shift = {};                       ///< by which depth was moved back
+  std::optional<Pairing> pairing = {};  ///< of colour and depth by time
+  std::string device = {};      ///< where the detector's networks are computed; empty: none are
+  DepthShift depth_shift = {};  ///< by which depth was moved back
   std::map<std::string, std::string> versions = {};  ///< of what the program is made of, by name
 };
 

@@ -2,7 +2,6 @@
 #include "ydd/tracking/tracker.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "ydd/base/log.h"
@@ -38,19 +37,6 @@ std::vector<KeyFrameId> recent_keyframes(const Atlas& atlas, KeyFrameId referenc
   return out;
 }
 
-/// Median of the depth readings; infinite when there is none.
-double median_depth_m(const Features& features) {
-  std::vector<float> depths_m;
-  depths_m.reserve(features.size());
-  for (const float depth_m : features.depth_m) {
-    if (depth_m > 0) depths_m.push_back(depth_m);
-  }
-  if (depths_m.empty()) return std::numeric_limits<double>::infinity();
-  const auto middle = depths_m.begin() + static_cast<std::ptrdiff_t>(depths_m.size() / 2);
-  std::nth_element(depths_m.begin(), middle, depths_m.end());
-  return *middle;
-}
-
 }  // namespace
 
 Tracker::Tracker(const TrackerOptions& options, bool in_known_map)
@@ -79,7 +65,7 @@ TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_i
       return finish_coasting(std::move(bare), atlas, std::move(result), kDepthContradicts);
     }
   }
-  if (std::optional<TrackResult> reckoned = finish_reckoned(frame, result)) return *reckoned;
+  if (std::optional<TrackResult> reckoned = finish_reckoned(frame, atlas, result)) return *reckoned;
   if (doubt_.pending() && !doubt_.lasts_too_long(frame.stamp)) {
     return finish_doubted(std::move(frame), atlas, std::move(result), doubt_.reason());
   }
@@ -140,9 +126,9 @@ void Tracker::refresh_last_frame(const Atlas& atlas) {
   if (!last_) return;  // lost since the start
   // The mapper may have moved the reference, merged points, or made a keyframe of the last frame.
   const KeyFrameId newest = atlas.newest_keyframe();
-  const KeyFrame& keyframe = atlas.at(newest);
-  if (keyframe.shared_features == last_->shared_features) {
-    last_->points = keyframe.points;
+  const KeyFrame* const keyframe = atlas.find(newest);  // null: not in this part of the map
+  if (keyframe && keyframe->shared_features == last_->shared_features) {
+    last_->points = keyframe->points;
     last_reference_ = newest;
     T_reference_last_ = SE3();
   }
@@ -150,8 +136,10 @@ void Tracker::refresh_last_frame(const Atlas& atlas) {
     const SE3 T_world_last = *T_world_reference * T_reference_last_;
     last_->T_camera_world = T_world_last.inverse();
     // A culled reference can be no fallback and has no neighbours: go on with the one it hangs on.
-    if (!atlas.find(last_reference_)) {
-      last_reference_ = atlas.nearest_kept(last_reference_);
+    // One that is not in this part of the map has a place, and nothing that it hangs on.
+    const KeyFrameId kept = atlas.nearest_kept(last_reference_);
+    if (kept.valid() && kept != last_reference_) {
+      last_reference_ = kept;
       T_reference_last_ = atlas.at(last_reference_).T_world_camera.inverse() * T_world_last;
     }
   }
@@ -282,6 +270,7 @@ bool Tracker::contradicted(const Atlas& atlas, const Eigen::Vector3d& p_world,
 
 void Tracker::count_views(const Atlas& atlas, const LocalMap& local, const LocalSearch& search,
                           const TrackedFrame& frame) {
+  if (localization_only_) return;  // nobody is told
   const auto entry = [&](MapPointId id) -> Views& {
     if (views_.size() <= id.slot) views_.resize(id.slot + 1);
     Views& views = views_[id.slot];
@@ -327,49 +316,6 @@ void Tracker::set_pose(const Atlas& atlas, TrackedFrame& frame, const LocalMap& 
   result.T_world_camera = frame.T_camera_world.inverse();
   result.T_reference_camera =
       atlas.at(result.reference).T_world_camera.inverse() * result.T_world_camera;
-}
-
-KeyframeSituation Tracker::situation(const Atlas& atlas, const TrackedFrame& frame,
-                                     const TrackResult& result, bool mapper_idle) const {
-  KeyframeSituation s;
-  s.since_keyframe_s = seconds_between(last_candidate_stamp_, frame.stamp);
-  s.inliers = result.inliers;
-  // Points seen from one keyframe only are unproven, but a young map has no others.
-  const std::size_t proven = atlas.keyframes().size() <= 2 ? 1 : 2;
-  for (const MapPointId id : atlas.at(result.reference).points) {
-    const MapPoint* point = atlas.find(id);
-    if (point && point->observations.size() >= proven) {
-      ++s.reference_points;
-    }
-  }
-  for (std::size_t i = 0; i < frame.points.size(); ++i) {
-    const float depth_m = frame.features().depth_m[i];
-    if (depth_m <= 0 || depth_m > options_.close_depth_m) continue;
-    ++(frame.points[i].valid() ? s.close_tracked : s.close_untracked);
-  }
-  s.keyframes = static_cast<int>(atlas.keyframes().size());
-  s.rotation_rad = result.T_reference_camera.angle_rad();
-  const double depth_m = median_depth_m(frame.features());
-  s.translation_share = result.T_reference_camera.translation().norm() / depth_m;
-  s.mapper_idle = mapper_idle;
-  s.known_place = is_known_place(atlas, frame, result, depth_m);
-  return s;
-}
-
-bool Tracker::is_known_place(const Atlas& atlas, const TrackedFrame& frame,
-                             const TrackResult& result, double depth_m) const {
-  const KeyframePolicyOptions& options = options_.keyframe;
-  const auto stands_here = [&](KeyFrameId id) {
-    const KeyFrame& keyframe = atlas.at(id);
-    if (std::abs(seconds_between(keyframe.stamp, frame.stamp)) < options.revisit_s) return false;
-    const SE3 T_keyframe_camera = keyframe.T_world_camera.inverse() * result.T_world_camera;
-    return T_keyframe_camera.translation().norm() <= options.known_translation_share * depth_m &&
-           T_keyframe_camera.angle_rad() <= options.known_rotation_rad;
-  };
-  const std::vector<Covisible>& around = atlas.at(result.reference).covisible;
-  return stands_here(result.reference) ||
-         std::any_of(around.begin(), around.end(),
-                     [&](const Covisible& c) { return stands_here(c.keyframe); });
 }
 
 TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,

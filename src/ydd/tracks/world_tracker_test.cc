@@ -41,7 +41,7 @@ TEST(WorldTracker, FindsPlaceAndVelocityInTheWorldWhateverTheCameraDoes) {
   const Vector3d start(0, 0, 3), v(0.8, 0, -0.4);
   double t = 0;
   for (int i = 0; i < 60; ++i, t = i / 30.0) {
-    const Vector3d p = start + v * t + Vector3d(noise(random), noise(random), noise(random));
+    const Vector3d p = start + v * t + Vector3d{noise(random), noise(random), noise(random)};
     tracker.see(at_s(t), camera_at(t), std::vector{person(camera_at(t).inverse() * p)});
   }
   ASSERT_THAT(tracker.tracks(), SizeIs(1));
