@@ -40,11 +40,12 @@ bench: configure  ## Build and run the micro benchmarks
 	@cmake --build --preset release --parallel $(JOBS)
 	@for program in build/bench/*_bench; do "$$program" || exit 1; done
 
-check: deps  ## What needs no build: architecture, formatting, README's tables
+check: deps  ## What needs no build: architecture, formatting, README's tables, texts of public names
 	tools/check-architecture --self-test
 	tools/check-architecture
 	tools/check-format
 	tools/readme-tables --check
+	tools/make-reference --check
 
 format: deps  ## Format all sources in place
 	@tools/check-format --fix
@@ -83,7 +84,7 @@ wheel: configure  ## The Python module as a wheel for pip, in build/wheel (docs/
 	@cmake --build --preset release --parallel $(JOBS) --target ydd_python
 	@tools/make-wheel build
 
-reference:  ## Pages of all public names by Doxygen, in build/reference/html
+reference:  ## Pages of all public names by Doxygen (docs/reference.md), in build/reference/html
 	@tools/make-reference
 
 clean:  ## Remove what was built (not runs/)

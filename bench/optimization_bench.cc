@@ -58,9 +58,7 @@ BundleSceneOptions size_of(std::int64_t size) {
   }
 }
 
-using Solve = BundleResult (*)(const ydd::Camera&, const BundleProblem&, const BundleOptions&,
-                               const std::stop_token&);
-
+template <class Solve>
 void bundle(benchmark::State& state, Solve solve) {
   const BundleScene scene = ydd::synthetic::make_bundle_scene(size_of(state.range(0)));
   const BundleProblem problem = ydd::synthetic::disturbed(scene.truth, 0.01, 0.01, 0.03, 7);

@@ -102,9 +102,12 @@ void write_maps(const fs::path& root) {
   fs::create_directories(root / "map_file");
   const fs::path file = root / "map_file/small.map";
   fs::remove(file);
-  if (const auto saved = save_map(small_atlas(), file); !saved) {
-    throw std::runtime_error(saved.error().message);
-  }
+  const auto save = [&](const Atlas& atlas) {
+    const auto saved = save_map(atlas, file);
+    if (!saved) throw std::runtime_error(saved.error().message);
+  };
+  save(small_atlas());
+  save(load_map(file).value());  // with the words that a load makes
   map_format::Database database(file, map_format::Database::Mode::read);
   std::string rows;
   const auto add = [&](const map_format::Row& row, std::uint64_t) {
@@ -133,7 +136,9 @@ void write_blobs(const fs::path& folder) {
                                map_format::encode_features(keyframe.features()),
                                map_format::encode_covisible(keyframe.covisible),
                                map_format::encode_ids(keyframe.loops),
-                               points.take()};
+                               points.take(),
+                               map_format::encode_bag({{3, 70, 9000}, {0.25F, 0.25F, 0.5F}}),
+                               map_format::encode_blocks_of(keyframe.points)};
   for (std::size_t kind = 0; kind < std::size(blobs); ++kind) {
     write(folder / std::to_string(kind), as_number(kind, 1) + blobs[kind]);
   }

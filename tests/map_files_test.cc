@@ -21,6 +21,7 @@
 #include "ydd/dataset/trajectory.h"
 #include "ydd/evaluation/ate.h"
 #include "ydd/image/decode.h"
+#include "ydd/map_files/map_file.h"
 #include "ydd/sources/source.h"
 
 namespace ydd::e2e {
@@ -99,6 +100,13 @@ TEST(Maps, LocalizationOnlyLeavesTheFileAlone) {
   EXPECT_LT(ate_m(room(), trajectory), 0.012);
   const json summary = json::parse(bytes_of(folder / "b/summary.json"));
   EXPECT_EQ(summary.at("keyframes_inserted"), 0);
+  // The same with only a part of the map in memory.
+  ASSERT_GT(load_map(map).value().keyframes().size(), 4U);
+  run(room(), folder / "c",
+      {"--deterministic", "--map", map, "--localization-only", "--set", "map.near_keyframes=4"});
+  EXPECT_TRUE(bytes_of(map) == before);
+  EXPECT_EQ(trajectory_of(folder / "c").size(), static_cast<std::size_t>(kFrames));
+  EXPECT_LT(ate_m(room(), trajectory_of(folder / "c")), 0.012);
 }
 
 TEST(Maps, OfOnePlaceAreMergedAndOfTwoKeptApart) {
@@ -219,7 +227,7 @@ TEST(Maps, TheDenseCloudHasNoPeopleInIt) {
     const fs::path map = folder / (variant + ".map");
     run(busy_room(), folder / variant,
         {"--deterministic", "--detections", busy_room() / "detections.jsonl", "--dynamic", variant,
-         "--save-map", map});
+         "--save-map", map, "--set", "map.behind_people=true"});  // else boxes are all that counts
     return share_in_the_air(map, folder, truth);
   };
   const double full = share("full");

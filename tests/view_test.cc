@@ -120,6 +120,7 @@ TEST(View, ShowsPictureMapAndPanels) {
   EXPECT_GT(pixels_like(map, scene_colour::kPoint, 40), 300);
   EXPECT_GT(pixels_like(map, scene_colour::kTrajectory, 40), 20);
   EXPECT_GT(pixels_like(map, scene_colour::kTracking, 30), 50);
+  EXPECT_GT(pixels_like(map, scene_colour::kTrack, 30), 200) << "more than the layer's chip";
   EXPECT_GT(deviation(part(window, layout.toolbar)), 10);
   EXPECT_GT(deviation(part(window, layout.charts)), 20);
   // Results are those of a run without a window.

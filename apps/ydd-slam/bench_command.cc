@@ -7,8 +7,10 @@
 #include "bench/bench_paper.h"
 #include "bench/bench_scale.h"
 #include "bench/bench_seeds.h"
+#include "bench/bench_sessions.h"
 #include "commands.h"
 #include "common/scratch_folder.h"
+#include "common/terminal.h"
 #include "ydd/studies/accidents.h"
 
 namespace ydd::app {
@@ -70,8 +72,13 @@ void add_seed_bench(CLI::App& parent, Job& job, const std::string& name, const s
   auto* command = parent.add_subcommand(name, what);
   if (bench == &bench_places) {
     command->add_option("sequences", request->sequences, "Recordings with ground truth to add");
+    command->add_option("--apart", request->apart_s, "Seconds between two looks at a place")
+        ->check(CLI::Range(0.5, 3600.0))
+        ->capture_default_str();
   }
-  command->add_option("--seeds", request->seeds, "How many worlds")->check(CLI::Range(1, 10000));
+  const int fewest = bench == &bench_places ? 0 : 1;
+  command->add_option("--seeds", request->seeds, "How many worlds")
+      ->check(CLI::Range(fewest, 10000));
   command->add_option("--first-seed", request->first_seed, "Seed of the first")
       ->check(CLI::Range(0, 1000000));
   if (bench == &bench_recovery) {
@@ -126,6 +133,56 @@ void add_scale_bench(CLI::App& parent, Job& job) {
       return {};
     };
   });
+}
+
+using SessionBench = Result<std::string> (*)(const SessionRequest&);
+
+/// Gives the command and what it will ask for, to add options to.
+std::pair<CLI::App*, std::shared_ptr<SessionRequest>> add_session_bench(CLI::App& parent, Job& job,
+                                                                        const std::string& name,
+                                                                        const std::string& what,
+                                                                        SessionBench bench) {
+  auto request = std::make_shared<SessionRequest>();
+  auto* command = parent.add_subcommand(name, what);
+  command->add_option("--seed", request->seed, "Of the world")->check(CLI::Range(0, 1000000));
+  command->add_option("--width", request->width_px, "Width of the pictures in px, 4:3")
+      ->check(CLI::Range(160, 1280));
+  command->add_option("--fps", request->fps, "Frames a second")->check(CLI::Range(1.0, 60.0));
+  command->add_flag("--steady", request->steady, "Light that does not change");
+  command->add_option("--folder", request->folder,
+                      "Keep map and figures there; a second call goes on where it ended");
+  command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
+  command->add_option("--out", request->out, "Also write all figures as JSON");
+  add_quiet(*command, request->quiet);
+  command->callback([request, bench, &job] {
+    job = [request, bench]() -> Result<void> {
+      const Result<std::string> table = bench(*request);
+      if (!table) return table.error();
+      fmt::print("{}", *table);
+      return {};
+    };
+  });
+  return {command, request};
+}
+
+void add_session_benches(CLI::App& parent, Job& job) {
+  const auto [visits, visit_request] =
+      add_session_bench(parent, job, "visits",
+                        "One room, visited again and again in changing light: does the map stay "
+                        "small?",
+                        &bench_visits);
+  visits->add_option("--visits", visit_request->sessions, "How many")->check(CLI::Range(1, 100000));
+  visits->add_option("--seconds", visit_request->seconds, "Of each visit but the first")
+      ->check(CLI::Range(1.0, 3600.0));
+  const auto [days, day_request] = add_session_bench(
+      parent, job, "days", "Hours through a building with people, moved furniture, changing light",
+      &bench_days);
+  day_request->sessions = 8;
+  days->add_option("--hours", day_request->sessions, "How many")->check(CLI::Range(1, 100000));
+  days->add_option("--minutes", day_request->minutes, "Of each hour")
+      ->check(CLI::Range(0.1, 1000.0));
+  days->add_option("--rooms", day_request->rooms, "Of the building")->check(CLI::Range(1, 20));
+  days->add_option("--people", day_request->people, "In its first room")->check(CLI::Range(0, 12));
 }
 
 void add_paper_bench(CLI::App& parent, Job& job) {
@@ -217,6 +274,7 @@ void add_bench_command(CLI::App& app, Job& job) {
   add_seed_bench(*command, job, "walk", "One long simulated walk: time, memory and map size",
                  &bench_walk);
   add_scale_bench(*command, job);
+  add_session_benches(*command, job);
 }
 
 }  // namespace ydd::app

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "common/terminal.h"
 #include "map/map_jobs.h"
 
 namespace ydd::app {
@@ -14,6 +15,7 @@ void add_info(CLI::App& parent, Job& job) {
   auto* command = parent.add_subcommand("info", "Say what is inside a map file");
   command->add_option("file", request->file, "Map file")->required();
   command->add_flag("--json", request->json, "As JSON");
+  add_map_key(*command, request->map_key);
   command->callback([request, &job] { job = [request] { return map_info(*request); }; });
 }
 
@@ -60,6 +62,8 @@ void add_export(CLI::App& parent, Job& job) {
                    "Depth readings beyond are left out, metres")
       ->check(CLI::Range(0.1, 100.0))
       ->capture_default_str();
+  command->add_flag("--redact", request->cloud.redact,
+                    "No colour from pictures that may show people (docs/privacy.md)");
   command->add_option("--keyframes", request->keyframes, "TUM file for the poses of keyframes");
   command->add_option("--octomap", request->octomap,
                       "OctoMap file (.bt) with what is occupied and what is free");
@@ -71,6 +75,7 @@ void add_export(CLI::App& parent, Job& job) {
   add_grid_options(*command, *request);
   command->add_option("--which", request->which,
                       "Number of the map, when the file holds several (default: the largest)");
+  add_map_key(*command, request->map_key);
   command->callback([request, &job] {
     if (request->sparse.empty() && request->dense.empty() && request->keyframes.empty() &&
         request->octomap.empty() && request->grid.empty()) {
@@ -95,6 +100,7 @@ void add_merge(CLI::App& parent, Job& job) {
                     "Let it replace a map that holds more than the new one");
   command->add_option("--config", request->config, "YAML file with options (loop, mapping)");
   command->add_option("--set", request->set, "Set one option: key=value")->allow_extra_args(false);
+  add_map_key(*command, request->map_key);
   command->callback([request, &job] { job = [request] { return map_merge(*request); }; });
 }
 
@@ -103,6 +109,7 @@ void add_check(CLI::App& parent, Job& job) {
   auto* command = parent.add_subcommand(
       "check", "Look whether a map file is sound; repairs nothing, exit 1 if it is not");
   command->add_option("file", request->file, "Map file")->required();
+  add_map_key(*command, request->map_key);
   command->callback([request, &job] { job = [request] { return map_check(*request); }; });
 }
 
@@ -128,6 +135,7 @@ void add_prune(CLI::App& parent, Job& job) {
       ->capture_default_str();
   command->add_flag("--replace-map", request->replace_map,
                     "Let it replace a map that holds more than the new one");
+  add_map_key(*command, request->map_key);
   command->callback([request, &job] { job = [request] { return map_prune(*request); }; });
 }
 
@@ -142,14 +150,37 @@ void add_split(CLI::App& parent, Job& job) {
   command->add_option("--out", request->out, "Map file to write")->required();
   command->add_flag("--replace-map", request->replace_map,
                     "Let it replace a map that holds more than the new one");
+  add_map_key(*command, request->map_key);
   command->callback([request, &job] { job = [request] { return map_split(*request); }; });
+}
+
+void add_encrypt(CLI::App& parent, Job& job) {
+  auto request = std::make_shared<MapConvertRequest>();
+  auto* command = parent.add_subcommand(
+      "encrypt", "Encrypt a plain map file by --map-key, or give an encrypted one another key");
+  command->add_option("file", request->file, "Map file")->required();
+  command->add_option("--out", request->out, "Map file to write (default: the same file)");
+  command->add_option("--old-key", request->old_key,
+                      "File with the key that it is encrypted by now");
+  add_map_key(*command, request->map_key);
+  command->callback([request, &job] { job = [request] { return map_encrypt(*request); }; });
+}
+
+void add_decrypt(CLI::App& parent, Job& job) {
+  auto request = std::make_shared<MapConvertRequest>();
+  auto* command =
+      parent.add_subcommand("decrypt", "Make a plain map file of one that --map-key encrypts");
+  command->add_option("file", request->file, "Map file")->required();
+  command->add_option("--out", request->out, "Map file to write (default: the same file)");
+  add_map_key(*command, request->map_key);
+  command->callback([request, &job] { job = [request] { return map_decrypt(*request); }; });
 }
 
 }  // namespace
 
 void add_map_command(CLI::App& app, Job& job) {
-  auto* command =
-      app.add_subcommand("map", "Look into map files, export, merge, check, prune and split them");
+  auto* command = app.add_subcommand(
+      "map", "Look into map files, export, merge, check, prune, split and encrypt them");
   command->require_subcommand(1);
   command->footer(
       "Examples:\n"
@@ -163,6 +194,7 @@ void add_map_command(CLI::App& app, Job& job) {
       "  ydd-slam map check floor.map\n"
       "  ydd-slam map prune floor.map --out small.map\n"
       "  ydd-slam map split floor.map --which 1 --out one.map\n"
+      "  ydd-slam map encrypt floor.map --map-key office.key\n"
       "docs/maps.md tells the rest.");
   add_info(*command, job);
   add_export(*command, job);
@@ -170,6 +202,8 @@ void add_map_command(CLI::App& app, Job& job) {
   add_check(*command, job);
   add_prune(*command, job);
   add_split(*command, job);
+  add_encrypt(*command, job);
+  add_decrypt(*command, job);
 }
 
 }  // namespace ydd::app

@@ -76,6 +76,7 @@ void add_map_options(CLI::App& command, RunRequest& request) {
                                  "Map file to go on with: find one's place in it, extend it");
   auto* save = command.add_option("--save-map", request.save_map,
                                   "Map file to write, every few seconds and at the end");
+  add_map_key(command, request.map_key);
   command
       .add_flag("--replace-map", request.replace_map,
                 "Let --save-map replace a map that holds more than the new one")
@@ -100,8 +101,13 @@ void add_result_options(CLI::App& command, RunRequest& request) {
   command.add_option("--video", request.video, "MP4 file with these pictures as a video");
   command.add_option("--mcap", request.mcap,
                      "File (.mcap) for Foxglove: pictures, poses, points, people and things");
-  command.add_option("--record", request.record,
-                     "File (.mcap) for the frames of this run, a bag that runs again");
+  CLI::Option* record = command.add_option(
+      "--record", request.record, "File (.mcap) for the frames of this run, a bag that runs again");
+  command
+      .add_flag("--redact", request.redact,
+                "Black out people, by their boxes, in every picture of the run: report, frames, "
+                "video, Foxglove, window, page (docs/privacy.md)")
+      ->excludes(record);
   command.add_flag("--dump-map", request.dump_map, "Also write the map as text");
   add_quiet(command, request.quiet);
   command.add_flag("--json", request.json,

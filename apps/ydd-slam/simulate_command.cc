@@ -74,6 +74,7 @@ void add_simulate_command(CLI::App& app, Job& job) {
   add_shortcut(*command, request, "people", "How many people walk and sit about");
   command->add_flag("--busy", request->busy, "People close to the camera, half the picture");
   add_shortcut(*command, request, "mover", "none, cabinet, curtain, door, robot or screen");
+  add_shortcut(*command, request, "light", "steady, day, evening, lamps or changing");
   add_shortcut(*command, request, "frames", "Length (default: one round of the path)");
   add_shortcut(*command, request, "seed", "Everything random follows from it");
   add_shortcut(*command, request, "depth", "exact or kinect");
@@ -95,6 +96,7 @@ void add_simulate_command(CLI::App& app, Job& job) {
       "Examples:\n"
       "  ydd-slam simulate room --path room_loop\n"
       "  ydd-slam simulate busy --busy --path xyz --depth kinect --seed 3\n"
+      "  ydd-slam simulate dusk --path room_loop --light evening --set light_seed=5\n"
       "  ydd-slam simulate small --frames 60 --set width=320 --set height=240\n"
       "  ydd-slam run busy --detections busy/detections.jsonl --dynamic full");
   command->callback([request, &job] { job = [request] { return simulate(*request); }; });

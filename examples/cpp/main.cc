@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Frames in, poses out: `poses RECORDING [DETECTIONS.jsonl] > trajectory.tum`. RECORDING is
-// anything that `ydd-slam run` takes; a camera of your own gives RgbdFrames to the same loop.
+// anything that `ydd-slam run` takes; a camera of your own gives RgbdFrames to the same loop
+// (docs/reference.md tells how they are made, and which headers there are).
 #include <cstdio>
 #include <memory>
 

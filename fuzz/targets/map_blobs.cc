@@ -3,6 +3,7 @@
 #include "support.h"
 #include "targets.h"
 #include "ydd/map_files/map_bytes.h"
+#include "ydd/map_files/map_schema.h"
 
 namespace ydd::fuzz {
 namespace {
@@ -17,8 +18,16 @@ std::string points_again(std::string_view bytes) {
   return block.take();
 }
 
+std::string blocks_again(std::string_view bytes) {
+  std::vector<MapPointId> points;
+  for (const std::uint32_t block : decode_blocks(bytes)) {
+    points.push_back({block * kPointsPerBlock + 7, 1});
+  }
+  return encode_blocks_of(points);
+}
+
 std::string again(unsigned kind, std::string_view bytes) {
-  switch (kind % 7) {
+  switch (kind % 9) {
     case 0:
       return encode_pose(decode_pose(bytes));
     case 1:
@@ -31,8 +40,12 @@ std::string again(unsigned kind, std::string_view bytes) {
       return encode_covisible(decode_covisible(bytes));
     case 5:
       return encode_ids(decode_ids<KeyFrameTag>(bytes));
-    default:
+    case 6:
       return points_again(bytes);
+    case 7:
+      return encode_bag(decode_bag(bytes));
+    default:
+      return blocks_again(bytes);
   }
 }
 

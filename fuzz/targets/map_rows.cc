@@ -5,6 +5,7 @@
 #include "ydd/map_files/map_bytes.h"
 #include "ydd/map_files/map_file.h"
 #include "ydd/map_files/map_schema.h"
+#include "ydd/map_files/stored_map.h"
 
 namespace ydd::fuzz {
 namespace {
@@ -22,6 +23,30 @@ Value value_of(Pieces& pieces) {
   }
   const std::size_t size = kind < 255 ? kind - 152U : pieces.byte() + 256U * pieces.byte();
   return std::string(pieces.text(size));
+}
+
+/// What a camera would ask of the map: nothing of it is believed because a load would refuse it.
+void read_in_parts(const std::filesystem::path& file) {
+  Result<StoredMap> stored = StoredMap::open(file);
+  expect_one_line(stored);
+  if (!stored || !stored->has_parts()) return;
+  expect_one_line(stored->word_index(1000));
+  const KeyFrameId newest = stored->newest_keyframe();
+  for (const std::size_t most : {3U, 100U}) {
+    const auto near = stored->neighbourhood({&newest, 1}, most);
+    expect_one_line(near);
+    if (!near) continue;
+    const auto part = stored->part({near->begin(), near->end()});
+    expect_one_line(part);
+    if (!part) continue;
+    (*part)->points().for_each([&](MapPointId id, const MapPoint& point) {
+      for (const Observation& o : point.observations) {
+        if ((*part)->at(o.keyframe).points.at(static_cast<std::size_t>(o.keypoint)) != id) {
+          broken("a part with links that do not hold");
+        }
+      }
+    });
+  }
 }
 
 }  // namespace
@@ -64,6 +89,7 @@ void map_rows(std::string_view input) {
   const Result<Atlas> loaded = load_map(file);
   expect_one_line(loaded);
   if (loaded && !loaded->check_consistency().empty()) broken("links that do not hold");
+  read_in_parts(file);
 }
 
 }  // namespace ydd::fuzz

@@ -44,7 +44,7 @@ void onnx(std::string_view input) {
     if (work(*layers, shapes) > kMostWork) return;
     const std::vector<float> pixels(kInput.size(), 1.0F);
     const std::vector<int> shape = {1, kInput.channels, kInput.rows, kInput.columns};
-    OnednnPlan(*layers, shape, false, 1).run({shape, pixels});
+    OnednnPlan(*layers, shape, {}).run({shape, pixels});
 #endif
   } catch (const std::logic_error&) {
     throw;                           // a broken invariant

@@ -1,47 +1,61 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
+# %% [markdown]
+# # A map as a point cloud in matplotlib
+# What the map holds comes as NumPy arrays: landmarks, keyframes, which keyframes see the same, and a
+# dense cloud of all that stood still.
+# %% [script]
 """A map as a point cloud in matplotlib, from above, with the keyframes and what connects them.
 
-    map_cloud.py MAP|SEQUENCE PICTURE.png [FRAMES]
+map_cloud.py [RECORDING|MAP.ydd [FRAMES [PICTURE.png]]]
 """
 import sys
-from pathlib import Path
 
 import matplotlib
 
 matplotlib.use("Agg")
+# %%
+from pathlib import Path
+
 import matplotlib.pyplot as plt
 
 import ydd_slam
 
-
-def map_of(place: str, frames: int) -> ydd_slam.Map:
-    if Path(place).is_file():
-        return ydd_slam.Map.load(place)
+place = "../../samples/office_crowd"  # a recording, or a map that `ydd-slam run --save-map` wrote
+frames = 30  # of a recording; 0: all of it
+# %% [script]
+place, picture_file = Path(__file__).resolve().parent / place, "map.png"
+if len(sys.argv) > 1:
+    place, frames = sys.argv[1], 0
+if len(sys.argv) > 2:
+    frames = int(sys.argv[2])
+if len(sys.argv) > 3:
+    picture_file = sys.argv[3]
+# %%
+if Path(place).suffix == ".ydd":
+    the_map = ydd_slam.Map.load(place)
+else:
     sequence = ydd_slam.open_sequence(place, max_frames=frames)
     with ydd_slam.Slam(sequence.camera) as slam:
         for picture in sequence:
             slam.process(picture)
-    return slam.map
-
-
-def main() -> None:
-    the_map = map_of(sys.argv[1], int(sys.argv[3]) if len(sys.argv) > 3 else 0)
-    points, colours = the_map.dense_cloud(voxel_m=0.03)
-    cameras = the_map.keyframe_poses[:, :3, 3]
-    plt.figure(figsize=(8, 8))
-    # World: x right, y down, z forward. From above that is x and z.
-    plt.scatter(points[:, 0], points[:, 2], s=1, c=colours[:, ::-1] / 255)
-    for a, b, shared in the_map.covisibility:
-        plt.plot(*cameras[[a, b]][:, [0, 2]].T, color="green", alpha=min(1, shared / 200), linewidth=0.5)
-    plt.plot(cameras[:, 0], cameras[:, 2], "b.-", linewidth=1, label="keyframes")
-    plt.axis("equal")
-    plt.xlabel("x [m]")
-    plt.ylabel("z [m]")
-    plt.legend()
-    plt.savefig(sys.argv[2], dpi=100)
-    print(f"{the_map}: {len(points)} points of a cloud in {sys.argv[2]}")
-
-
-if __name__ == "__main__":
-    main()
+    the_map = slam.map  # as it is now; it can be given to another: Slam(camera, map=the_map)
+print(the_map)
+# %% [markdown]
+# The world's frame is that of the first camera: x right, y down, z forward, in metres. From above one
+# sees x and z. Colours are blue green red, as OpenCV has them.
+# %%
+points, colours = the_map.dense_cloud(voxel_m=0.03)
+cameras = the_map.keyframe_poses[:, :3, 3]
+plt.figure(figsize=(8, 8))
+plt.scatter(points[:, 0], points[:, 2], s=1, c=colours[:, ::-1] / 255)
+for a, b, shared in the_map.covisibility:
+    plt.plot(*cameras[[a, b]][:, [0, 2]].T, color="green", alpha=min(1, shared / 200), linewidth=0.5)
+plt.plot(cameras[:, 0], cameras[:, 2], "b.-", linewidth=1, label="keyframes")
+plt.axis("equal")
+plt.xlabel("x [m]")
+plt.ylabel("z [m]")
+plt.legend()
+# %% [script]
+plt.savefig(picture_file, dpi=100)
+print(f"{len(points)} points of a cloud in {picture_file}")

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -64,7 +65,28 @@ ColourImage colour_from_grey(const GreyImage& grey) {
   return {grey.width(), grey.height(), std::move(pixels)};
 }
 
+/// Counts in an integer type of another size, as decoders of pictures give them.
+py::array_t<std::uint16_t> counts_from(const py::array& array) {
+  if (array.size() > 0) {
+    const auto least = array.attr("min")().cast<double>();
+    const auto most = array.attr("max")().cast<double>();
+    if (least < 0 || most > std::numeric_limits<std::uint16_t>::max()) {
+      throw Failure(fmt::format("depth: counts must be in [0, 65535], not {} to {}", least, most));
+    }
+  }
+  return py::array_t<std::uint16_t, py::array::c_style | py::array::forcecast>(array);
+}
+
 }  // namespace
+
+py::array array_from(const py::handle& given, const std::string& name) {
+  if (py::isinstance<py::array>(given)) return py::reinterpret_borrow<py::array>(given);
+  if (!py::hasattr(given, "__array__")) {
+    throw Failure(fmt::format("{}: must be an array, not {}", name,
+                              py::str(py::type::of(given).attr("__name__")).cast<std::string>()));
+  }
+  return py::module_::import("numpy").attr("asarray")(given).cast<py::array>();
+}
 
 py::array_t<std::uint8_t> view_of(const GreyImage& image) {
   const auto held = std::make_shared<const GreyImage>(image);
@@ -104,6 +126,11 @@ DepthImage depth_from(const py::array& array, const Camera& camera) {
       const auto narrow = py::array_t<float, py::array::c_style | py::array::forcecast>(array);
       return within_limits(image_from<float, float>(narrow), camera);
     }
+    const char kind = array.dtype().kind();
+    if (kind == 'i' || kind == 'u') {
+      const auto counts = counts_from(array);
+      return to_metres(image_from<std::uint16_t, std::uint16_t>(counts), camera);
+    }
   }
   throw Failure(
       "depth: must have the shape (height, width) of float32 in metres or of uint16 in counts of "
@@ -123,12 +150,12 @@ GreyImage mask_from(const py::array& array) {
   return GreyImage(width, height, std::vector<std::uint8_t>(values, values + set.size()));
 }
 
-RgbdFrame frame_from(const py::array& colour, const py::array& depth, Timestamp stamp,
+RgbdFrame frame_from(const py::handle& colour, const py::handle& depth, Timestamp stamp,
                      const Camera& camera) {
   RgbdFrame frame;
   frame.stamp = stamp;
-  frame.colour = colour_from(colour);
-  frame.depth_m = depth_from(depth, camera);
+  frame.colour = colour_from(array_from(colour, "colour"));
+  frame.depth_m = depth_from(array_from(depth, "depth"), camera);
   const auto fits = [&](const auto& image) {
     return image.width() == camera.width_px && image.height() == camera.height_px;
   };

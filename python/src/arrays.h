@@ -54,16 +54,20 @@ py::array_t<std::uint8_t> view_of(const GreyImage& image);
 py::array_t<std::uint8_t> view_of(const ColourImage& image);  ///< (height, width, 3), BGR
 py::array_t<float> view_of(const DepthImage& image);
 
+/// An array as it is, or what gives itself as one (a tensor in the processor's memory). Failure: by
+/// this name.
+py::array array_from(const py::handle& given, const std::string& name);
+
 /// (H, W, 3) or (H, W) of uint8. An array that nobody may write (flags.writeable is False) and that
 /// has no gaps is shared; any other is copied.
 ColourImage colour_from(const py::array& array);
-/// (H, W): uint16 are counts of the camera's depth scale, float32 and float64 metres. Readings
-/// outside the camera's limits become 0.
+/// (H, W): uint16 are counts of the camera's depth scale, as are other integers that fit into it,
+/// float32 and float64 metres. Readings outside the camera's limits become 0.
 DepthImage depth_from(const py::array& array, const Camera& camera);
 /// (H, W) of bool or any integers: 1 where they are not 0.
 GreyImage mask_from(const py::array& array);
-/// Both of the camera's size.
-RgbdFrame frame_from(const py::array& colour, const py::array& depth, Timestamp stamp,
+/// Both arrays, of the camera's size.
+RgbdFrame frame_from(const py::handle& colour, const py::handle& depth, Timestamp stamp,
                      const Camera& camera);
 
 /// 4 x 4, a copy.

@@ -30,15 +30,17 @@ detector           "default": the network that comes with the program (YDD_DETEC
                    (class, box, score). It is called on a thread of its own, beside the extraction of
                    features; what it raises is the cause of the Error of process()
 objects            catalogue of classes, as configs/objects.yaml; None: the built-in one
-map                map file to go on with; None: start from nothing
+map                a Map, or a map file, to go on with; None: start from nothing. A Map stays as it
+                   is: the Slam has a copy of it and of all others of its run
 localization_only  use the map without changing it
 autosave           map file that is saved every few seconds; None: none
+map_key            of all map files that are loaded and saved: as for Map.load
 
 One thread at a time may call it; others run while it works (it lets go of the GIL). Every failure
 is an Error with one line that tells what to do.)";
 
-std::shared_ptr<RobotFrame> process_arrays(Slam& slam, const py::array& colour,
-                                           const py::array& depth, const py::object& stamp,
+std::shared_ptr<RobotFrame> process_arrays(Slam& slam, const py::object& colour,
+                                           const py::object& depth, const py::object& stamp,
                                            const py::object& stamp_ns, const py::object& detections,
                                            const py::object& masks) {
   const RgbdFrame frame = frame_from(colour, depth, stamp_from(stamp, stamp_ns), slam.camera());
@@ -64,7 +66,7 @@ void bind_pictures(SlamClass& slam) {
 detections  what is seen in it, in place of asking the detector: a list of Detection or of
             (class, (x0, y0, x1, y1), score)
 masks       silhouettes in place of boxes: one (height, width) array of bool or integers, not 0 on
-            people, or a list of (class, array). The class decides as with boxes: "person" moves,
+            people, an (N, height, width) array of several, or a list of (class, array). The class decides as with boxes: "person" moves,
             "chair" when somebody moves it; an unknown one never. Both may be given
 
 Gives a Frame. Raises Error when stamps do not rise, when the detector fails, or when a thread inside
@@ -76,7 +78,8 @@ has failed; what was tracked before stays.)")
 
 colour  (height, width, 3) of uint8, blue green red, or (height, width) grey; shared where nobody may
         write it (flags.writeable is False), else copied
-depth   (height, width) of float32 in metres, or of uint16 in counts of camera.depth_scale; copied
+depth   (height, width) of float32 in metres, or of integers in counts of camera.depth_scale; copied
+        as a rule (see RgbdFrame)
 stamp   seconds, kept to the microsecond; stamp_ns: exact nanoseconds instead)");
   slam.def("add_imu", &add_imu, py::arg("stamp_ns"), py::arg("gyro_rad_s"), py::arg("accel_m_s2"),
            "A reading of an IMU, (3,) each, in its own frame (option reckoning.T_camera_imu): "
@@ -93,8 +96,9 @@ void bind_run(SlamClass& slam) {
       .def("reset", &Slam::reset, "Forgets every map; the next picture starts anew.")
       .def("save", &Slam::save, py::arg("file"),
            "Saves the map as it is now (docs/maps.md), whole or not at all.")
-      .def("load", &Slam::load, py::arg("file"),
-           "Goes on in the map of a file instead of the one there is, which stays if that fails.")
+      .def("load", &Slam::load, py::arg("map"),
+           "Goes on in a Map or in that of a file instead of the one there is, which stays if that "
+           "fails.")
       .def_property("localization_only", &Slam::localization_only, &Slam::set_localization_only,
                     "whether the map is used without being changed")
       .def(
@@ -105,7 +109,7 @@ void bind_run(SlamClass& slam) {
           "map", &Slam::map,
           "Map that the camera is in, as it is now; later frames do not change it")
       .def_property_readonly("loops", &Slam::loops, "how many loops were closed")
-      .def_property_readonly("camera", &Slam::camera)
+      .def_property_readonly("camera", &Slam::camera, "the Camera that it was given; a copy")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](Slam& self, const py::object& type, const py::object&,
                           const py::object&) { self.finish(!type.is_none()); });
@@ -115,16 +119,18 @@ void bind_run(SlamClass& slam) {
 
 void bind_slam(py::module_& module) {
   SlamClass slam(module, "Slam", kSlamText);
-  slam.def(py::init([](const Camera& camera, const py::object& options, const py::object& config,
-                       const py::object& detector, const py::object& objects, const py::object& map,
-                       bool localization_only, const py::object& autosave) {
-             return std::make_unique<Slam>(Slam::Wish{camera, options, config, detector, objects,
-                                                      map, autosave, localization_only});
-           }),
-           py::arg("camera"), py::arg("options") = py::none(), py::kw_only(),
-           py::arg("config") = py::none(), py::arg("detector") = "default",
-           py::arg("objects") = py::none(), py::arg("map") = py::none(),
-           py::arg("localization_only") = false, py::arg("autosave") = py::none());
+  slam.def(
+      py::init([](const Camera& camera, const py::object& options, const py::object& config,
+                  const py::object& detector, const py::object& objects, const py::object& map,
+                  bool localization_only, const py::object& autosave, const py::object& map_key) {
+        return std::make_unique<Slam>(Slam::Wish{camera, options, config, detector, objects, map,
+                                                 autosave, map_key, localization_only});
+      }),
+      py::arg("camera"), py::arg("options") = py::none(), py::kw_only(),
+      py::arg("config") = py::none(), py::arg("detector") = "default",
+      py::arg("objects") = py::none(), py::arg("map") = py::none(),
+      py::arg("localization_only") = false, py::arg("autosave") = py::none(),
+      py::arg("map_key") = py::none());
   bind_pictures(slam);
   bind_run(slam);
   py::module_::import("atexit").attr("register")(py::cpp_function(&Slam::close_all));

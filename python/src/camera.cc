@@ -49,10 +49,12 @@ Its arrays are read-only views: they share its memory and keep it alive.
 colour    (height, width, 3) of uint8, blue green red as OpenCV has it, or (height, width) grey.
           An array that nobody may write (flags.writeable is False) is shared, so it must not change
           any more; any other is copied.
-depth     (height, width) of float32 in metres or of uint16 in counts of camera.depth_scale.
-          0, what is not finite and what lies outside the camera's limits is no reading. Copied.
+          What has __array__, as a tensor in the processor's memory, is an array here.
+depth     (height, width) of float32 in metres, or of integers in counts of camera.depth_scale.
+          0, what is not finite and what lies outside the camera's limits is no reading: it becomes
+          0. Shared where nothing needs to and nobody may write it (float32); else copied.
 stamp     seconds, kept to the microsecond; stamp_ns: exact nanoseconds instead)")
-      .def(py::init([](const py::array& colour, const py::array& depth, const Camera& camera,
+      .def(py::init([](const py::object& colour, const py::object& depth, const Camera& camera,
                        const py::object& stamp, const py::object& stamp_ns, std::int64_t index) {
              RgbdFrame frame = frame_from(colour, depth, stamp_from(stamp, stamp_ns), camera);
              frame.index = index;
@@ -96,22 +98,23 @@ Depth images are registered to the colour image and of its size.
            fps=30, baseline_m=0.15, name="camera"))")
       .def(py::init(&camera_from),
            "Any of the attributes by name; the others have the defaults above.")
-      .def_readwrite("name", &Camera::name)
-      .def_readwrite("width_px", &Camera::width_px)
-      .def_readwrite("height_px", &Camera::height_px)
-      .def_readwrite("fx_px", &Camera::fx_px)
-      .def_readwrite("fy_px", &Camera::fy_px)
-      .def_readwrite("cx_px", &Camera::cx_px)
-      .def_readwrite("cy_px", &Camera::cy_px)
-      .def_readwrite("k1", &Camera::k1)
-      .def_readwrite("k2", &Camera::k2)
-      .def_readwrite("p1", &Camera::p1)
-      .def_readwrite("p2", &Camera::p2)
-      .def_readwrite("k3", &Camera::k3)
+      .def_readwrite("name", &Camera::name, "what it is called; of no consequence")
+      .def_readwrite("width_px", &Camera::width_px, "of its pictures")
+      .def_readwrite("height_px", &Camera::height_px, "of its pictures")
+      .def_readwrite("fx_px", &Camera::fx_px, "focal length along x")
+      .def_readwrite("fy_px", &Camera::fy_px, "focal length along y")
+      .def_readwrite("cx_px", &Camera::cx_px, "principal point; the middle of the first pixel is 0")
+      .def_readwrite("cy_px", &Camera::cy_px, "likewise, downwards")
+      .def_readwrite("k1", &Camera::k1, "radial distortion")
+      .def_readwrite("k2", &Camera::k2, "radial distortion")
+      .def_readwrite("p1", &Camera::p1, "tangential distortion")
+      .def_readwrite("p2", &Camera::p2, "tangential distortion")
+      .def_readwrite("k3", &Camera::k3, "radial distortion")
       .def_readwrite("depth_scale", &Camera::depth_scale, "value of one metre in depth of uint16")
       .def_readwrite("min_depth_m", &Camera::min_depth_m, "nearer readings are none")
       .def_readwrite("max_depth_m", &Camera::max_depth_m, "farther readings are none")
-      .def_readwrite("fps", &Camera::fps)
+      .def_readwrite("fps", &Camera::fps,
+                     "nominal pictures a second: how soon a frame must become a keyframe")
       .def_readwrite("baseline_m", &Camera::baseline_m,
                      "of the virtual stereo pair that weighs depth against pixels")
       .def_property_readonly("K", &pinhole_of, "(3, 3) float64: the matrix of the pinhole, a copy")

@@ -19,14 +19,25 @@ namespace {
 using Sides = std::array<float, 4>;
 
 Detection detection_from(std::string class_name, const std::optional<Sides>& box, float score,
-                         const std::optional<py::array>& mask) {
+                         const py::object& mask) {
   Detection out{std::move(class_name), score, {}};
   if (box) out.box = {(*box)[0], (*box)[1], (*box)[2], (*box)[3]};
-  if (mask) {
-    out.mask = mask_from(*mask);
+  if (!mask.is_none()) {
+    out.mask = mask_from(array_from(mask, "mask"));
     if (const auto round = box_round(out.mask); round && !box) out.box = *round;
   }
-  if (!box && !mask) throw Failure("Detection: give a box or a mask");
+  if (!box && mask.is_none()) throw Failure("Detection: give a box or a mask");
+  return out;
+}
+
+/// One silhouette, or several on each other.
+Detections people_from(const py::array& masks) {
+  if (masks.ndim() != 3) return {detection_from("person", std::nullopt, 1.0F, masks)};
+  Detections out;
+  for (const py::handle mask : masks) {
+    out.push_back(
+        detection_from("person", std::nullopt, 1.0F, py::reinterpret_borrow<py::object>(mask)));
+  }
   return out;
 }
 
@@ -37,7 +48,7 @@ std::optional<Detection> detection_of_tuple(const py::handle& item) {
   if (parts.size() != 2 && parts.size() != 3) return std::nullopt;
   try {
     const auto score = parts.size() == 3 ? parts[2].cast<float>() : 1.0F;
-    return detection_from(parts[0].cast<std::string>(), parts[1].cast<Sides>(), score, {});
+    return detection_from(parts[0].cast<std::string>(), parts[1].cast<Sides>(), score, py::none());
   } catch (const py::cast_error&) {
     return std::nullopt;
   }
@@ -97,8 +108,8 @@ Detections detections_from(const py::handle& given, const std::string& source) {
 }
 
 Detections masks_from(const py::handle& given) {
-  if (py::isinstance<py::array>(given)) {
-    return {detection_from("person", std::nullopt, 1.0F, given.cast<py::array>())};
+  if (py::isinstance<py::array>(given) || py::hasattr(given, "__array__")) {
+    return people_from(array_from(given, "masks"));
   }
   if (!py::isinstance<py::sequence>(given) || py::isinstance<py::str>(given)) {
     throw Failure("masks: must be an array, or a list of (class, array)");
@@ -107,11 +118,10 @@ Detections masks_from(const py::handle& given) {
   for (const py::handle item : given.cast<py::sequence>()) {
     const bool pair = py::isinstance<py::tuple>(item) && py::len(item) == 2;
     const auto parts = pair ? item.cast<py::tuple>() : py::make_tuple(0, 0);
-    if (!py::isinstance<py::str>(parts[0]) || !py::isinstance<py::array>(parts[1])) {
+    if (!py::isinstance<py::str>(parts[0]) || !py::hasattr(parts[1], "__array__")) {
       throw Failure(fmt::format("masks: item {} is no (class, array)", out.size()));
     }
-    out.push_back(detection_from(parts[0].cast<std::string>(), std::nullopt, 1.0F,
-                                 parts[1].cast<py::array>()));
+    out.push_back(detection_from(parts[0].cast<std::string>(), std::nullopt, 1.0F, parts[1]));
   }
   return out;
 }
@@ -155,8 +165,8 @@ mask        None, or (height, width) of bool or integers, not 0 where the object
             which points lie on the object.)")
       .def(py::init(&detection_from), py::arg("class_name"), py::arg("box") = py::none(),
            py::arg("score") = 1.0F, py::arg("mask") = py::none())
-      .def_readonly("class_name", &Detection::class_name)
-      .def_readonly("score", &Detection::score)
+      .def_readonly("class_name", &Detection::class_name, "as it was given")
+      .def_readonly("score", &Detection::score, "confidence in [0, 1]")
       .def_property_readonly(
           "box",
           [](const Detection& d) { return py::make_tuple(d.box.x0, d.box.y0, d.box.x1, d.box.y1); },

@@ -70,8 +70,11 @@ AteResult ate(const py::object& groundtruth, const py::object& estimate, double 
               bool scale) {
   const AteOptions options{max_difference_s,
                            scale ? AlignmentScale::estimated : AlignmentScale::fixed};
-  return value_of(absolute_trajectory_error(trajectory_or_file(groundtruth).poses,
-                                            trajectory_or_file(estimate).poses, options));
+  const Trajectory truth = trajectory_or_file(groundtruth), found = trajectory_or_file(estimate);
+  Result<AteResult> error =
+      without_gil([&] { return absolute_trajectory_error(truth.poses, found.poses, options); });
+  if (error || py::isinstance<Trajectory>(estimate)) return value_of(std::move(error));
+  throw Failure(py::str(estimate).cast<std::string>() + ": " + error.error().message);
 }
 
 RpeResult rpe(const py::object& groundtruth, const py::object& estimate, double delta,
@@ -82,8 +85,8 @@ RpeResult rpe(const py::object& groundtruth, const py::object& estimate, double 
   options.unit = unit == "s" ? RpeUnit::seconds : RpeUnit::frames;
   options.max_difference_s = max_difference_s;
   options.scale = scale;
-  return relative_pose_error(trajectory_or_file(groundtruth).poses,
-                             trajectory_or_file(estimate).poses, options);
+  const Trajectory truth = trajectory_or_file(groundtruth), found = trajectory_or_file(estimate);
+  return without_gil([&] { return relative_pose_error(truth.poses, found.poses, options); });
 }
 
 void bind_trajectory(py::module_& module) {
@@ -113,6 +116,10 @@ world, metres.)")
           py::arg("file"), py::arg("format") = "tum",
           "Writes a file of format tum, kitti or euroc; readers see the old one or all of it.")
       .def("__len__", [](const Trajectory& t) { return t.poses.size(); })
+      .def("__repr__",
+           [](const Trajectory& t) {
+             return fmt::format("<ydd_slam.Trajectory of {} poses>", t.poses.size());
+           })
       .def_property_readonly(
           "stamps_ns",
           [](const Trajectory& t) {
@@ -138,13 +145,13 @@ world, metres.)")
 void bind_statistics(py::module_& module) {
   py::class_<ErrorStatistics>(module, "ErrorStatistics",
                               "Summary of a series of errors, in its unit.")
-      .def_readonly("count", &ErrorStatistics::count)
-      .def_readonly("rmse", &ErrorStatistics::rmse)
-      .def_readonly("mean", &ErrorStatistics::mean)
-      .def_readonly("median", &ErrorStatistics::median)
-      .def_readonly("std", &ErrorStatistics::sd)
-      .def_readonly("min", &ErrorStatistics::min)
-      .def_readonly("max", &ErrorStatistics::max)
+      .def_readonly("count", &ErrorStatistics::count, "how many errors there are")
+      .def_readonly("rmse", &ErrorStatistics::rmse, "root of the mean square")
+      .def_readonly("mean", &ErrorStatistics::mean, "sum by count")
+      .def_readonly("median", &ErrorStatistics::median, "half of them are smaller")
+      .def_readonly("std", &ErrorStatistics::sd, "standard deviation about the mean")
+      .def_readonly("min", &ErrorStatistics::min, "the smallest")
+      .def_readonly("max", &ErrorStatistics::max, "the largest")
       .def("__repr__", [](const ErrorStatistics& s) {
         return fmt::format(
             "<ydd_slam.ErrorStatistics rmse {:.6f}, median {:.6f}, max {:.6f} of {}>", s.rmse,
@@ -154,9 +161,10 @@ void bind_statistics(py::module_& module) {
 
 void bind_errors(py::module_& module) {
   py::class_<AteResult>(module, "Ate", "Absolute trajectory error; see ate().")
-      .def_readonly("statistics_m", &AteResult::statistics_m, "metres")
+      .def_readonly("statistics_m", &AteResult::statistics_m, "ErrorStatistics of errors_m, metres")
       .def_property_readonly(
-          "rmse_m", [](const AteResult& r) { return r.statistics_m.rmse; }, "metres")
+          "rmse_m", [](const AteResult& r) { return r.statistics_m.rmse; },
+          "root of the mean square error, metres: what papers call the ATE")
       .def_property_readonly(
           "errors_m",
           [](const py::object& self) {
@@ -171,24 +179,36 @@ void bind_errors(py::module_& module) {
           "T_groundtruth_estimate",
           [](const AteResult& r) { return matrix_of(r.alignment.T_target_source); },
           "(4, 4) float64: the alignment, after `scale`")
-      .def_property_readonly("scale", [](const AteResult& r) { return r.alignment.scale; });
+      .def_property_readonly(
+          "scale", [](const AteResult& r) { return r.alignment.scale; },
+          "what the estimate was multiplied by before T_groundtruth_estimate; 1 unless asked for")
+      .def("__repr__", [](const AteResult& r) {
+        return fmt::format("<ydd_slam.Ate {:.6f} m rmse of {} pairs>", r.statistics_m.rmse,
+                           r.statistics_m.count);
+      });
   py::class_<RpeResult>(module, "Rpe", "Relative pose error; see rpe().")
-      .def_readonly("translation_m", &RpeResult::translation_m)
-      .def_readonly("rotation_deg", &RpeResult::rotation_deg)
+      .def_readonly("translation_m", &RpeResult::translation_m,
+                    "ErrorStatistics of translation_errors_m, metres over one delta")
+      .def_readonly("rotation_deg", &RpeResult::rotation_deg,
+                    "ErrorStatistics of rotation_errors_deg, degrees over one delta")
       .def_property_readonly(
           "translation_errors_m",
           [](const py::object& self) {
             const auto& errors = self.cast<const RpeResult&>().translation_errors_m;
             return view(errors.data(), {static_cast<py::ssize_t>(errors.size())}, {}, self);
           },
-          "(P,) float64, metres, read-only")
+          "(P,) float64, metres, read-only: one for each pair of poses one delta apart")
       .def_property_readonly(
           "rotation_errors_deg",
           [](const py::object& self) {
             const auto& errors = self.cast<const RpeResult&>().rotation_errors_deg;
             return view(errors.data(), {static_cast<py::ssize_t>(errors.size())}, {}, self);
           },
-          "(P,) float64, degrees, read-only");
+          "(P,) float64, degrees, read-only: the same pairs")
+      .def("__repr__", [](const RpeResult& r) {
+        return fmt::format("<ydd_slam.Rpe {:.6f} m, {:.6f} deg rmse of {} pairs>",
+                           r.translation_m.rmse, r.rotation_deg.rmse, r.translation_m.count);
+      });
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "arrays.h"
+#include "frame.h"
 #include "trajectory.h"
 #include "ydd/base/files.h"
 #include "ydd/cloud/keyframe_picture.h"
@@ -146,16 +147,26 @@ py::dict grid_of_map(const Map& map, double resolution_m) {
   return out;
 }
 
-py::object picture_of(const Map& map, std::int64_t index) {
-  std::shared_ptr<const KeyFramePicture> picture;
+/// Of the arrays' order; lives as long as the map's atlas.
+const KeyFrame& keyframe_at(const Map& map, std::int64_t index) {
+  const KeyFrame* found = nullptr;
   std::int64_t at = 0;
   for_keyframes(map, [&](KeyFrameId, const KeyFrame& k) {
-    if (at++ == index) picture = k.picture;
+    if (at++ == index) found = &k;
   });
-  if (index < 0 || index >= at)
-    throw py::index_error("the map has " + std::to_string(at) + " keyframes");
+  if (!found) throw py::index_error("the map has " + std::to_string(at) + " keyframes");
+  return *found;
+}
+
+KeptPoints features_of(const Map& map, std::int64_t index) {
+  const KeyFrame& keyframe = keyframe_at(map, index);
+  return {keyframe.shared_features, {map.atlas, &keyframe.points}};
+}
+
+py::object picture_of(const Map& map, std::int64_t index) {
+  const std::shared_ptr<const KeyFramePicture> picture = keyframe_at(map, index).picture;
   if (!picture) return py::none();
-  const OpenPicture opened = value_of(open_keyframe_picture(*picture));
+  const OpenPicture opened = value_of(without_gil([&] { return open_keyframe_picture(*picture); }));
   const auto depth = std::make_shared<const RawDepthImage>(opened.depth_mm);
   return py::make_tuple(
       view_of(opened.colour),
@@ -189,9 +200,9 @@ std::vector<Map> maps_of(const std::shared_ptr<const Atlas>& atlas) {
   return out;
 }
 
-Map load(const std::filesystem::path& file) {
-  return largest_map(
-      without_gil([&] { return std::make_shared<const Atlas>(value_of(load_map(file))); }));
+Map load(const std::filesystem::path& file, const py::object& map_key) {
+  const MapKey key = map_key_from(map_key);
+  return largest_map(without_gil([&] { return value_of(load_map(file, key)).snapshot(); }));
 }
 
 using MapClass = py::class_<Map>;
@@ -256,14 +267,15 @@ void bind_keyframes(MapClass& map) {
           "(K,) int64: Frame.index of each")
       .def_property_readonly(
           "covisibility", &covisibility,
-          "(E, 3) int64: indices of two keyframes (the lesser first) and the "
-          "number of landmarks that both saw when the later one was refreshed last")
+          "(E, 3) int64: indices of two keyframes (the lesser first) and the number of landmarks "
+          "that both saw when the later one was refreshed last; pairs with few are left out")
       .def(
           "keyframe_picture", &picture_of, py::arg("index"),
           "What keyframe `index` keeps of its picture: colour (h, w, 3) uint8 BGR and depth (h, w) "
           "uint16 in millimetres (0: none), half as wide and high, without what moves; None: "
-          "nothing. "
-          "Read-only, made at each call.");
+          "nothing. Read-only, made at each call.")
+      .def("keyframe_features", &features_of, py::arg("index"),
+           "KeptPoints of keyframe `index`: what `observations` and `map_points` number. Shared.");
 }
 
 void bind_work(MapClass& map) {
@@ -284,12 +296,13 @@ T_grid_world  (4, 4): the grid's frame (z up, floor at 0) from the map's world)"
            "Writes the dense cloud, or (dense=False) the landmarks, as binary PLY.")
       .def(
           "save",
-          [](const Map& m, const std::filesystem::path& file) {
-            value_of(without_gil([&] { return save_map(*m.atlas, file); }));
+          [](const Map& m, const std::filesystem::path& file, const py::object& map_key) {
+            const MapKey key = map_key_from(map_key);
+            value_of(without_gil([&] { return save_map(*m.atlas, file, Replacing::lesser, key); }));
           },
-          py::arg("file"),
+          py::arg("file"), py::kw_only(), py::arg("map_key") = py::none(),
           "Saves all maps of the run to one file (docs/maps.md), whole or not at all. A map that "
-          "holds more is kept as FILE.previous.")
+          "holds more is kept as FILE.previous. map_key as for load().")
       .def("localise", &localise_in, py::arg("frame"),
            R"(Where one picture (RgbdFrame) was taken, by what it shows alone.
 
@@ -299,9 +312,23 @@ a sequence, Slam(camera, map=..., localization_only=True) knows where the camera
 
 }  // namespace
 
+MapKey map_key_from(const py::object& given) {
+  if (!py::isinstance<py::bytes>(given)) {
+    return value_of(MapKey::find(given.is_none() ? "" : given.cast<std::filesystem::path>()));
+  }
+  Result<MapKey> key = MapKey::of(std::string_view(py::reinterpret_borrow<py::bytes>(given)));
+  if (!key) throw Failure("map_key: " + key.error().message);
+  return *std::move(key);
+}
+
 Map largest_map(std::shared_ptr<const Atlas> atlas) {
   std::vector<Map> maps = maps_of(atlas);
   return maps.empty() ? Map{std::move(atlas), {}} : std::move(maps.front());
+}
+
+std::optional<Atlas> atlas_of(const Map& map) {
+  if (map.atlas->keyframes().empty()) return std::nullopt;
+  return map.atlas->fork();
 }
 
 void bind_map(py::module_& module) {
@@ -312,10 +339,14 @@ void bind_map(py::module_& module) {
 Arrays of points, keyframes and what connects them are made at each access (keep them), in an order
 that is the same for all of one Map. World frame: the camera of the map's first keyframe (x right,
 y down, z forward), metres.)");
-  map.def_static("load", &load, py::arg("file"),
-                 "The largest map of a file that `ydd-slam run --save-map` or save() wrote.")
+  map.def_static("load", &load, py::arg("file"), py::kw_only(), py::arg("map_key") = py::none(),
+                 R"(The largest map of a file that `ydd-slam run --save-map` or save() wrote.
+
+map_key: of an encrypted file (docs/privacy.md), the name of the file with its key, or as bytes the
+key itself; None: the file that the environment's YDD_MAP_KEY_FILE names, else it is plain)")
       .def_property_readonly(
-          "camera", [](const Map& m) { return m.atlas->camera(); }, "Camera")
+          "camera", [](const Map& m) { return m.atlas->camera(); },
+          "the Camera that it was made with, a copy")
       .def_property_readonly(
           "maps", [](const Map& m) { return maps_of(m.atlas); },
           "list of Map: all of the run, the largest first; a new one begins where the camera was "

@@ -102,14 +102,16 @@ void bind_readers(py::module_& module) {
 
 `for frame in sequence` gives an RgbdFrame each, decoded ahead on another thread; sequence[i] decodes
 one. Pictures are read when they are wanted.)")
-      .def_property_readonly("name", [](const OpenSequence& s) { return s.sequence->name(); })
+      .def_property_readonly(
+          "name", [](const OpenSequence& s) { return s.sequence->name(); }, "of the folder or file")
       .def_readonly("camera", &OpenSequence::camera, "the Camera that it was taken with")
       .def_property_readonly("groundtruth", &groundtruth_of,
                              "true poses of the colour camera as a Trajectory; None: it has none")
       .def_property_readonly("stamps_ns", &stamps_of, "(N,) int64: of the colour pictures")
       .def("__len__", [](const OpenSequence& s) { return s.sequence->size(); })
       .def("__getitem__", &frame_at, py::arg("index"))
-      .def("__iter__", [](const OpenSequence& s) { return Frames(s, false); })
+      .def(
+          "__iter__", [](const OpenSequence& s) { return Frames(s, false); }, "frames()")
       .def(
           "frames", [](const OpenSequence& s, bool strict) { return Frames(s, strict); },
           py::arg("strict") = false,
@@ -125,8 +127,9 @@ one. Pictures are read when they are wanted.)")
 
 path    folder or file
 camera  a Camera, the name of a file or preset; None: as the recording tells
-        further keywords are the options `sequence.*` of `ydd-slam options`: max_difference_s,
-        first_frame, max_frames, associations, depth_offset, source, topic_colour, ...
+
+Further keywords are the options `sequence.*` of `ydd-slam options`: max_difference_s, first_frame,
+max_frames, associations, depth_offset, source, topic_colour, ...
 
 No picture is decoded yet. Raises Error with the line that the program would print.)");
 }

@@ -94,8 +94,11 @@ void bind_simulation(py::module_& module) {
 
 `for seen in simulation` renders a SimulatedFrame at a time, simulation[i] any of them: the same
 options give the same bytes.)")
-      .def_property_readonly("camera", [](const Simulation& s) { return s.simulator().camera(); })
-      .def_property_readonly("groundtruth", &truth_of, "Trajectory: exact")
+      .def_property_readonly(
+          "camera", [](const Simulation& s) { return s.simulator().camera(); },
+          "the Camera that it is seen with, for Slam; a copy")
+      .def_property_readonly("groundtruth", &truth_of,
+                             "Trajectory of all frames, exact, in the simulated world: z up")
       .def("__len__", [](const Simulation& s) { return s.simulator().frame_count(); })
       .def("__getitem__", &Simulation::at, py::arg("index"))
       .def("__iter__", [](const Simulation& s) { return SimulatedFrames{s}; })

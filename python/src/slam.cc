@@ -63,6 +63,17 @@ DetectorMaker maker_of_file(const std::string& file, const ObjectCatalogue& cata
   };
 }
 
+/// A map at hand, or the name of a file.
+struct GivenMap {
+  std::optional<Map> map;
+  std::string file;
+};
+
+GivenMap map_from(const py::object& given) {
+  if (py::isinstance<Map>(given)) return {given.cast<Map>(), ""};
+  return {std::nullopt, text_or_empty(given)};
+}
+
 }  // namespace
 
 Slam::Slam(const Wish& wish) {
@@ -74,6 +85,7 @@ Slam::Slam(const Wish& wish) {
                         : value_of(ObjectCatalogue::load(text_or_empty(wish.objects)));
   setup.T_map_world = SE3();
   setup.autosave_file = text_or_empty(wish.autosave);
+  setup.map_key = map_key_from(wish.map_key);
   if (PyCallable_Check(wish.detector.ptr()) != 0) {
     look_ = make_look(py::reinterpret_borrow<py::function>(wish.detector));
     setup.make_detector = [look = look_, objects = setup.catalogue] {
@@ -86,9 +98,11 @@ Slam::Slam(const Wish& wish) {
     const auto found = py::module_::import("ydd_slam._files").attr("default_detector")();
     setup.make_detector = maker_of_file(found.cast<std::string>(), setup.catalogue);
   }
-  const std::string map = text_or_empty(wish.map);
+  const GivenMap map = map_from(wish.map);
   slam_ = without_gil([&] {
-    return std::make_unique<RobotSlam>(value_of(RobotSlam::make(std::move(setup), map)));
+    return std::make_unique<RobotSlam>(
+        value_of(map.map ? RobotSlam::make(std::move(setup), atlas_of(*map.map), "map")
+                         : RobotSlam::make(std::move(setup), map.file)));
   });
   slam_->set_localization_only(wish.localization_only);
   camera_ = slam_->setup().camera;
@@ -166,8 +180,11 @@ void Slam::save(const std::filesystem::path& file) {
   value_of(once([&] { return slam_->save_map(file); }));
 }
 
-void Slam::load(const std::filesystem::path& file) {
-  value_of(once([&] { return slam_->load_map(file); }));
+void Slam::load(const py::object& given) {
+  const GivenMap map = map_from(given);
+  value_of(once([&] {
+    return map.map ? slam_->set_map(atlas_of(*map.map), "map") : slam_->load_map(map.file);
+  }));
   finished_ = false;
 }
 

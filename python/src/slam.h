@@ -20,7 +20,7 @@ class Slam {
   /// What Python gives; see the text of the class.
   struct Wish {
     Camera camera;
-    py::object options, config, detector, objects, map, autosave;
+    py::object options, config, detector, objects, map, autosave, map_key;
     bool localization_only = false;
   };
   explicit Slam(const Wish& wish);
@@ -38,7 +38,7 @@ class Slam {
   void finish(bool prompt);
   void reset();
   void save(const std::filesystem::path& file);
-  void load(const std::filesystem::path& file);
+  void load(const py::object& map);
   void set_localization_only(bool on);
   bool localization_only();
 

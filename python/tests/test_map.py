@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Maps as arrays, clouds and files."""
+import gc
+
 import numpy as np
 import pytest
 
@@ -63,6 +65,47 @@ def test_saved_loaded_and_localised_in(run, sample, tmp_path):
     assert (Map.load(str(tmp_path / "copy.ydd")).points == loaded.points).all()
 
 
+def test_a_map_at_hand_is_gone_on_with_as_one_of_a_file(run, sample, tmp_path):
+    the_map, file = run[0].map, tmp_path / "office.ydd"
+    before = the_map.points
+    the_map.save(file)
+    texts = []
+    for given in (the_map, file):
+        with Slam(sample.camera, {"deterministic": True}, detector=None, map=given) as slam:
+            frames = [slam.process(sample[i]) for i in (3, 7, 11)]
+        assert frames[0].state == "tracking" and set(the_map.point_ids) & set(frames[0].kept.map_points)
+        texts.append(slam.trajectory().text() + str(slam.map.points.tolist()))
+    assert texts[0] == texts[1]
+    assert (the_map.points == before).all()  # it stays as it was
+    slam.load(the_map)
+    assert (slam.map.maps[0].points == before).all() and slam.process(sample[5]).state == "tracking"
+    with pytest.raises(Error, match="^map: "):
+        Slam(ydd_slam.Camera(), detector=None, map=the_map)
+    with Slam(
+        sample.camera, {"deterministic": True}, detector=None, map=Slam(sample.camera, detector=None).map
+    ) as slam:
+        assert slam.process(sample[0]).keyframe  # from an empty one it starts anew
+
+
+def test_observations_name_what_keyframes_saw(run):
+    the_map = run[0].map
+    seen, points, poses, K = the_map.observations, the_map.points, the_map.keyframe_poses, the_map.camera.K
+    for index in range(len(poses)):
+        features = the_map.keyframe_features(index)
+        of_it = seen[seen[:, 0] == index]
+        assert (features.map_points[of_it[:, 2]] == the_map.point_ids[of_it[:, 1]]).all()
+        local = (points[of_it[:, 1]] - poses[index, :3, 3]) @ poses[index, :3, :3]
+        pixels = (local @ K.T)[:, :2] / local[:, 2:]
+        errors_px = np.linalg.norm(pixels - features.undistorted_px[of_it[:, 2]], axis=1)
+        assert len(errors_px) > 50 and np.median(errors_px) < 2
+    with pytest.raises(IndexError):
+        the_map.keyframe_features(len(poses))
+    descriptors = features.descriptors
+    del features, the_map
+    gc.collect()
+    assert descriptors.any() and not descriptors.flags.writeable
+
+
 def test_clouds_and_grid(run, tmp_path):
     the_map = run[0].map
     points, colours = the_map.dense_cloud(voxel_m=0.05)
@@ -90,3 +133,26 @@ def test_a_file_that_is_no_map_is_one_line(tmp_path):
     with pytest.raises(Error) as raised:
         Map.load(str(file))
     assert str(file) in str(raised.value) and "\n" not in str(raised.value)
+
+
+def test_files_may_have_a_key(run, tmp_path):
+    key = tmp_path / "key"
+    key.write_text("0123456789abcdef" * 4)
+    key.chmod(0o600)
+    file = tmp_path / "a.ydd"
+    try:
+        run[0].map.save(file, map_key=key)
+    except Error as e:
+        if "SQLCipher" in str(e):
+            pytest.skip(str(e))
+        raise
+    assert b"SQLite format 3" not in file.read_bytes()
+    assert len(Map.load(file, map_key=key.read_bytes()).points) == len(run[0].map.points)
+    with pytest.raises(Error, match="--map-key"):
+        Map.load(file)
+    with pytest.raises(Error, match="does not open with this key") as wrong:
+        Map.load(file, map_key=b"fedcba9876543210" * 4)
+    assert "fedcba" not in str(wrong.value)
+    key.chmod(0o604)
+    with pytest.raises(Error, match="chmod 600"):
+        Map.load(file, map_key=str(key))

@@ -59,6 +59,32 @@ def test_what_cannot_be_opened_is_one_line(tmp_path):
         assert str(raised.value) and "\n" not in str(raised.value)
 
 
+def test_what_fails_carries_the_line_of_the_program(binary, sample, tmp_path):
+    broken = {"camera.yaml": "Camera.fx: 500\n", "options.yaml": "orb:\n  levels: 99\n", "boxes.jsonl": '{"broken'}
+    broken |= {"office.ydd": "no map\n", "two.txt": "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n"}
+    for name, text in broken.items():
+        (tmp_path / name).write_text(text)
+    at = {name: str(tmp_path / name) for name in broken}
+    quiet = ("--detector", "none", "--out", tmp_path / "out")
+    slam = lambda **how: ydd_slam.Slam(sample.camera, **({"detector": None} | how))
+    for call, command in (
+        (lambda: ydd_slam.open_sequence("missing"), ("run", "missing")),
+        (lambda: ydd_slam.open_sequence(SAMPLE, "no_camera"), ("run", SAMPLE, "--camera", "no_camera", *quiet)),
+        (
+            lambda: ydd_slam.open_sequence(SAMPLE, at["camera.yaml"]),
+            ("run", SAMPLE, "--camera", at["camera.yaml"], *quiet),
+        ),
+        (lambda: slam(config=at["options.yaml"]), ("run", SAMPLE, "--config", at["options.yaml"], *quiet)),
+        (lambda: slam(detector=at["boxes.jsonl"]), ("run", SAMPLE, "--detections", at["boxes.jsonl"], *quiet[2:])),
+        (lambda: slam(map=at["office.ydd"]), ("run", SAMPLE, "--map", at["office.ydd"], *quiet)),
+        (lambda: ydd_slam.ate(at["two.txt"], at["two.txt"]), ("eval", at["two.txt"], at["two.txt"])),
+    ):
+        with pytest.raises(Error) as raised:
+            call()
+        told = subprocess.run([binary, *command], capture_output=True, text=True).stderr
+        assert told.splitlines()[-1] == f"error: {raised.value}"
+
+
 def test_errors_are_those_of_the_program(binary, sample, run, tmp_path):
     truth, found = sample.groundtruth, run[0].trajectory()
     file = tmp_path / "trajectory.txt"

@@ -4,6 +4,8 @@ import gc
 import subprocess
 import sys
 import threading
+import time
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -75,9 +77,35 @@ def test_depth_in_counts_and_in_metres_is_the_same(sample):
     again = RgbdFrame(picture.colour, counts, camera, stamp=1.5)
     assert np.allclose(again.depth_m, picture.depth_m, atol=1e-4)
     assert again.stamp_ns == 1_500_000_000
+    assert (RgbdFrame(picture.colour, counts.astype(np.int32), camera, stamp=1.5).depth_m == again.depth_m).all()
     doubles = picture.depth_m.astype(np.float64)
     doubles[0, 0] = np.nan
     assert RgbdFrame(picture.colour, doubles, camera, stamp=1.5).depth_m[0, 0] == 0
+
+
+class Tensor:
+    """What gives itself as an array, as those of other libraries do."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def __array__(self, *_):
+        return self.array
+
+
+def test_tensors_are_arrays(sample):
+    picture, mask = sample[0], np.zeros((2, 480, 640), bool)
+    mask[0, 100:380, 200:450] = mask[1, :50, :50] = True
+    frames = [
+        Slam(sample.camera, FULL, detector=None).process(colour, depth, 1.0, masks=masks)
+        for colour, depth, masks in (
+            (picture.colour, picture.depth_m, mask),
+            (Tensor(picture.colour), Tensor(picture.depth_m), Tensor(mask)),
+            (picture.colour, picture.depth_m, [("person", Tensor(mask[0])), ("person", Tensor(mask[1]))]),
+        )
+    ]
+    assert [[d.box for d in f.detections] for f in frames] == [[(200, 100, 450, 380), (0, 0, 50, 50)]] * 3
+    assert len({len(f.rejected) for f in frames}) == 1 and len(frames[0].rejected) > 50
 
 
 def test_what_nobody_may_write_is_shared_the_rest_is_copied(sample):
@@ -89,6 +117,30 @@ def test_what_nobody_may_write_is_shared_the_rest_is_copied(sample):
     shared = RgbdFrame(colour, depth, sample.camera, stamp=0)
     assert np.shares_memory(shared.colour, colour)
     assert not shared.colour.flags.writeable
+    assert not np.shares_memory(shared.depth_m, depth)
+    depth[0, 0] = 0
+    depth.flags.writeable = False
+    assert np.shares_memory(RgbdFrame(colour, depth, sample.camera, stamp=0).depth_m, depth)
+    far = np.full_like(depth, 1000)  # must become "no reading"
+    far.flags.writeable = False
+    assert not RgbdFrame(colour, far, sample.camera, stamp=0).depth_m.any() and far.all()
+
+
+def test_a_shared_picture_is_let_go_with_its_last_user(sample):
+    colour = np.zeros((480, 640, 3), np.uint8)
+    colour.flags.writeable = False
+    gone = []
+    weakref.finalize(colour, gone.append, True)
+    slam = Slam(sample.camera, OFF, detector=None)
+    frame = RgbdFrame(colour, np.ones((480, 640), np.float32), sample.camera, stamp=0)
+    slam.process(frame)
+    pixels = frame.colour
+    del colour, frame, slam
+    gc.collect()
+    assert not gone and not pixels.any()
+    del pixels
+    gc.collect()
+    assert gone
 
 
 def test_a_detector_of_ones_own(sample, boxes, run):
@@ -176,7 +228,9 @@ def test_wrong_arguments_are_one_line_each(sample):
         (lambda: slam.process(picture.colour, picture.depth_m), "give either stamp"),
         (lambda: slam.process(picture.colour, picture.depth_m, 1e18), "nanoseconds are stamp_ns"),
         (lambda: slam.process(picture.colour.astype(float), picture.depth_m, 1), "colour: must have the shape"),
-        (lambda: slam.process(picture.colour, small, 1), "depth: must have the shape"),
+        (lambda: slam.process([[1, 2], [3, 4]], picture.depth_m, 1), "colour: must be an array, not list"),
+        (lambda: slam.process(picture.colour, small.astype(np.int64) - 1, 1), "depth: counts must be in [0, 65535]"),
+        (lambda: slam.process(picture.colour, small > 0, 1), "depth: must have the shape"),
         (lambda: slam.process(small, picture.depth_m, 1), "the camera 640 x 480"),
         (lambda: slam.process(picture, masks=small), "a mask of 20 x 10"),
         (lambda: slam.process(picture, masks=[small]), "masks: item 0"),
@@ -200,6 +254,49 @@ def test_finish_reset_and_with(sample):
         slam.process(sample[1])
     slam.reset()
     assert slam.process(sample[2]).keyframe and len(slam.trajectory()) == 1
+
+
+def gets_on_meanwhile(work):
+    """Whether another thread gets on while `work`, perhaps tried several times, is under way."""
+    counted, stop = [0], threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counted[0] += 1
+            time.sleep(0)  # lets go of the GIL, and asks for it again
+
+    counter, interval = threading.Thread(target=count), sys.getswitchinterval()
+    sys.setswitchinterval(1000)  # whoever has the GIL keeps it until they let go
+    counter.start()
+    try:
+        before = counted[0]
+        for _ in range(100):
+            work()
+            if counted[0] > before:
+                return True
+        return False
+    finally:
+        sys.setswitchinterval(interval)
+        stop.set()
+        counter.join()
+
+
+def test_what_takes_time_lets_other_threads_run(run, sample, tmp_path):
+    assert not gets_on_meanwhile(lambda: sum(range(1000)))
+    the_map, slam = run[0].map, Slam(sample.camera, OFF, detector=None)
+    pictures = iter(sample)
+    world = ydd_slam.simulate({"frames": 1, "width": 160, "height": 120})
+    for work in (
+        lambda: slam.process(next(pictures)),
+        lambda: sample[0],
+        lambda: world[0],
+        lambda: the_map.dense_cloud(0.1),
+        lambda: the_map.localise(sample[0]),
+        lambda: the_map.save(tmp_path / "map.ydd"),
+        lambda: ydd_slam.Map.load(tmp_path / "map.ydd"),
+        lambda: Slam(sample.camera, OFF, detector=None, map=the_map),
+    ):
+        assert gets_on_meanwhile(work)
 
 
 def test_other_threads_run_meanwhile_and_a_second_caller_is_told(sample):

@@ -15,9 +15,10 @@ Camera, RgbdFrame    what goes in: metres, camera frame x right, y down, z forwa
 Detection, Detector, RecordedDetections   boxes and masks
 Map                  landmarks, keyframes and clouds as arrays
 open_sequence        recordings of many kinds
-simulate             a simulated world with exact truth
+simulate             a simulated world with exact truth, frame by frame
 ate, rpe             errors of a Trajectory
 Error                what every failure is: one line that tells what to do
+RULES                names of the rules that reject a point; RejectedPoints.rule has their numbers
 
 T_a_b maps coordinates of frame b to those of frame a. Arrays that are said to be shared are views
 that nobody may write, and keep what they show alive. Nothing prints; warnings go to standard error.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Types of ydd_slam; help(ydd_slam) has the texts: shapes, units, frames, and what is shared.
 from os import PathLike
-from typing import Any, Callable, Iterator, Mapping, Optional, Sequence as _Sequence, Tuple, Union, overload
+from typing import Any, Callable, Iterator, Mapping, Optional, Protocol, Sequence as _Sequence, Tuple, Union, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,12 @@ from numpy.typing import NDArray
 _File = Union[str, "PathLike[str]"]
 _Box = Tuple[float, float, float, float]
 _Boxes = _Sequence[Union["Detection", Tuple[str, _Box], Tuple[str, _Box, float]]]
-_Masks = Union[NDArray[Any], _Sequence[Tuple[str, NDArray[Any]]]]
+
+class _HasArray(Protocol):
+    def __array__(self, *args: Any, **kwargs: Any) -> Any: ...
+
+_Array = Union[NDArray[Any], _HasArray]
+_Masks = Union[_Array, _Sequence[Tuple[str, _Array]]]
 _Bytes = NDArray[np.uint8]
 _Ints = NDArray[np.int64]
 _Floats = NDArray[np.float32]
@@ -48,8 +53,8 @@ class Camera:
 class RgbdFrame:
     def __init__(
         self,
-        colour: NDArray[Any],
-        depth: NDArray[Any],
+        colour: _Array,
+        depth: _Array,
         camera: Camera,
         stamp: Optional[float] = None,
         stamp_ns: Optional[int] = None,
@@ -74,7 +79,7 @@ class Detection:
         class_name: str,
         box: Optional[_Sequence[float]] = None,
         score: float = 1.0,
-        mask: Optional[NDArray[Any]] = None,
+        mask: Optional[_Array] = None,
     ) -> None: ...
     @property
     def class_name(self) -> str: ...
@@ -279,7 +284,7 @@ class Frame:
 
 class Map:
     @staticmethod
-    def load(file: _File) -> Map: ...
+    def load(file: _File, *, map_key: Union[None, _File, bytes] = None) -> Map: ...
     @property
     def camera(self) -> Camera: ...
     @property
@@ -302,11 +307,12 @@ class Map:
     def keyframe_frames(self) -> _Ints: ...
     @property
     def covisibility(self) -> _Ints: ...
+    def keyframe_features(self, index: int) -> KeptPoints: ...
     def keyframe_picture(self, index: int) -> Optional[Tuple[_Bytes, NDArray[np.uint16]]]: ...
     def dense_cloud(self, voxel_m: float = 0.02, max_depth_m: float = 4.0) -> Tuple[_Floats, _Bytes]: ...
     def occupancy_grid(self, resolution_m: float = 0.05) -> dict[str, Any]: ...
     def write_ply(self, file: _File, dense: bool = True, voxel_m: float = 0.02, max_depth_m: float = 4.0) -> None: ...
-    def save(self, file: _File) -> None: ...
+    def save(self, file: _File, *, map_key: Union[None, _File, bytes] = None) -> None: ...
     def localise(self, frame: RgbdFrame) -> Optional[_Doubles]: ...
 
 class Slam:
@@ -318,9 +324,10 @@ class Slam:
         config: Optional[_File] = None,
         detector: Union[None, _File, Callable[[RgbdFrame], _Boxes]] = "default",
         objects: Optional[_File] = None,
-        map: Optional[_File] = None,
+        map: Union[None, Map, _File] = None,
         localization_only: bool = False,
         autosave: Optional[_File] = None,
+        map_key: Union[None, _File, bytes] = None,
     ) -> None: ...
     @overload
     def process(
@@ -329,8 +336,8 @@ class Slam:
     @overload
     def process(
         self,
-        colour: NDArray[Any],
-        depth: NDArray[Any],
+        colour: _Array,
+        depth: _Array,
         stamp: Optional[float] = None,
         *,
         stamp_ns: Optional[int] = None,
@@ -342,7 +349,7 @@ class Slam:
     def finish(self, prompt: bool = False) -> None: ...
     def reset(self) -> None: ...
     def save(self, file: _File) -> None: ...
-    def load(self, file: _File) -> None: ...
+    def load(self, map: Union[Map, _File]) -> None: ...
     localization_only: bool
     def trajectory(self) -> Trajectory: ...
     def keyframe_trajectory(self) -> Trajectory: ...

@@ -17,7 +17,6 @@
 #include <nav_msgs/OccupancyGrid.h>
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
-#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
@@ -27,6 +26,7 @@
 #include <tf2_ros/transform_listener.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include "motion_testing.h"
 #include "ros_testing.h"
 
 namespace ydd::ros1_testing {
@@ -268,78 +268,66 @@ TEST_F(Ros1, TakesCompressedPictures) {
   EXPECT_GT(length(last.x, last.y, last.z), 0.001) << "it has moved";
 }
 
-/// Where the camera truly was: x y z qx qy qz qw by stamp.
-std::vector<std::pair<double, std::vector<double>>> true_poses() {
-  std::vector<std::pair<double, std::vector<double>>> out;
-  std::ifstream in(kSample / "groundtruth.txt");
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    double stamp = 0;
-    std::vector<double> pose(7);
-    words >> stamp;
-    for (double& value : pose) words >> value;
-    if (words) out.emplace_back(stamp, pose);
-  }
-  return out;
+double variance(const geometry_msgs::PoseWithCovarianceStamped& pose) {
+  return pose.pose.covariance[0] + pose.pose.covariance[7] + pose.pose.covariance[14];
 }
 
-const std::vector<double>& truth_at(
-    const std::vector<std::pair<double, std::vector<double>>>& poses, const ros::Time& stamp) {
-  return std::min_element(poses.begin(), poses.end(),
-                          [&](const auto& a, const auto& b) {
-                            return std::abs(a.first - stamp.toSec()) <
-                                   std::abs(b.first - stamp.toSec());
-                          })
-      ->second;
-}
-
-TEST_F(Ros1, GoesOnByWheelsWhileTheLensIsCovered) {
-  start_node({"_detector:=none", "_use_odometry:=true", "_use_imu:=true"});
+TEST_F(Ros1, GoesOnByWheelsAndImuWhileTheLensIsCovered) {
+  start_node({"_detector:=none", "_use_odometry:=true", "_use_imu:=true",
+              "_mapping/inertial/enabled:=true"});
   Heard<geometry_msgs::PoseWithCovarianceStamped> poses("/ydd_slam/pose");
+  Heard<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
   CameraDriver camera;
   ros::NodeHandle node;
-  ros::Publisher wheels = node.advertise<nav_msgs::Odometry>("wheel_odometry", 1000);
+  const ros::Publisher wheels = node.advertise<nav_msgs::Odometry>("wheel_odometry", 1000);
   const ros::Publisher imu = node.advertise<sensor_msgs::Imu>("imu", 1000);
   const Recording recording(kSample);
   ASSERT_TRUE(camera.somebody_listens() && poses.connected()) << node_->output();
   ASSERT_TRUE(
       wait_for([&] { return wheels.getNumSubscribers() > 0 && imu.getNumSubscribers() > 0; }, 30));
-  const auto truth = true_poses();
-  constexpr std::size_t kCovered = 20, kEnd = 35;
+  const auto says = [&](const std::string& state) {
+    return wait_for(
+        [&] { return diagnostics.count() > 0 && diagnostics.last().status.at(0).message == state; },
+        10);
+  };
+  const auto truth = true_poses(kSample);
+  constexpr std::size_t kCovered = 20, kUncovered = 35, kEnd = 45;
   for (std::size_t i = 0; i < kEnd; ++i) {
     auto colour = recording.colour(i);
     auto depth = recording.depth(i);
-    nav_msgs::Odometry odometry;  // of wheels that do not slip, at the camera
-    odometry.header = colour.header;
-    const std::vector<double>& pose = truth_at(truth, colour.header.stamp);
-    odometry.pose.pose.position.x = pose[0];
-    odometry.pose.pose.position.y = pose[1];
-    odometry.pose.pose.position.z = pose[2];
-    odometry.pose.pose.orientation.x = pose[3];
-    odometry.pose.pose.orientation.y = pose[4];
-    odometry.pose.pose.orientation.z = pose[5];
-    odometry.pose.pose.orientation.w = pose[6];
-    wheels.publish(odometry);
-    if (i >= kCovered) {
+    if (i > 0) {
+      for (const sensor_msgs::Imu& sample : imu_until(truth, i)) imu.publish(sample);
+    }
+    wheels.publish(wheels_at(truth, colour.header));
+    if (i >= kCovered && i < kUncovered) {
       std::fill(colour.data.begin(), colour.data.end(), std::uint8_t{0});
       std::fill(depth.data.begin(), depth.data.end(), std::uint8_t{0});
     }
-    // The wheels are heard before the pictures: another connection.
+    // The others are heard before the pictures: another connection.
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     camera.publish(colour, depth, recording.info(i));
     ASSERT_TRUE(wait_for([&] { return poses.count() > i; }, 30)) << i << node_->output();
+    if (i == kCovered + 2) {
+      EXPECT_TRUE(says("coasting")) << node_->output();
+    }
   }
+  EXPECT_TRUE(says("tracking")) << node_->output();
+
   const auto all = poses.all();
-  const auto& seen = all[kCovered - 1];
-  const auto& blind = all.back();
-  const std::vector<double>& from = truth_at(truth, seen.header.stamp);
-  const std::vector<double>& to = truth_at(truth, blind.header.stamp);
-  const double gone_m = length(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
-  const auto& a = seen.pose.pose.position;
-  const auto& b = blind.pose.pose.position;
-  EXPECT_GT(gone_m, 0.03);
-  EXPECT_NEAR(length(b.x - a.x, b.y - a.y, b.z - a.z), gone_m, 0.02);
-  EXPECT_GT(blind.pose.covariance[0], seen.pose.covariance[0]) << "it knows less";
+  ASSERT_EQ(all.size(), kEnd) << "every frame has a pose";
+  for (std::size_t i = kCovered; i < kUncovered; ++i) {
+    EXPECT_GT(variance(all[i]), variance(all[i - 1])) << "frame " << i << ": it knows less";
+  }
+  EXPECT_LT(variance(all.back()), variance(all[kUncovered - 1])) << "and sees again";
+  const auto off_m = [&](std::size_t from, std::size_t to) {
+    const tf2::Vector3 truly = place(truth_at(truth, all[to].header.stamp)) -
+                               place(truth_at(truth, all[from].header.stamp));
+    const auto& a = all[from].pose.pose.position;
+    const auto& b = all[to].pose.pose.position;
+    return std::abs(truly.length() - length(b.x - a.x, b.y - a.y, b.z - a.z));
+  };
+  EXPECT_LT(off_m(kCovered - 1, kUncovered - 1), 0.02);
+  EXPECT_LT(off_m(kCovered - 1, kEnd - 1), 0.02);
 }
 
 TEST_F(Ros1, CorrectsTheOdometryOfAnotherNode) {

@@ -21,6 +21,7 @@ from .classes import CLASSES
 from .data import size
 from .evaluate import Picture, judged
 from .export import load
+from .files import write_whole
 from .model import Yolo
 from .networks import Network
 
@@ -148,7 +149,7 @@ def main() -> None:
     pictures = judged(args.judge)
     v = verdicts(Checkpoint(load(args.checkpoint).fuse(), args.size), pictures)
     r = summary(v, pictures, {p.split("=")[0]: float(p.split("=")[1]) for p in args.precision})
-    args.out.write_text(json.dumps(r, indent=1) + "\n")
+    write_whole(args.out, json.dumps(r, indent=1) + "\n")
     for name in ("before", "crossed"):
         rows, error = r[name]
         print(f"{name}: expected error {error:.3f}; " + ", ".join(f"{m:.2f}: {h:.2f} ({n})" for m, h, n in rows))

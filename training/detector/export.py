@@ -67,11 +67,13 @@ def main() -> None:
     net = load(args.checkpoint)
     if args.calibration:
         net = calibrated(net, args.calibration)
-    export(net, args.out)
-    worst = check(net, args.out)
-    print(f"{args.out}: {args.out.stat().st_size / 1e6:.2f} MB, OpenCV differs by {worst:.1e} at most")
+    part = args.out.with_suffix(".part.onnx")
+    export(net, part)
+    worst = check(net, part)
+    print(f"{args.out}: {part.stat().st_size / 1e6:.2f} MB, OpenCV differs by {worst:.1e} at most")
     if worst > 1e-3:
         raise SystemExit("the exported network does not compute what was trained")
+    part.rename(args.out)
 
 
 if __name__ == "__main__":

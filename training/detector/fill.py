@@ -17,6 +17,7 @@ import torch
 from .boxes import area, intersections, iou
 from .classes import CLASSES
 from .data import number, size
+from .files import write_whole
 from .graphs import GraphTeachers
 from .networks import Found
 
@@ -70,7 +71,7 @@ def fill(folder: pathlib.Path, out: pathlib.Path, teachers: GraphTeachers, part:
         boxes, ignore = filled(numbered(t["boxes"]), numbered(t["ignore"]), labelled, found)
         short = lambda rows: [[int(r[0]), *(round(v, 1) for v in r[1:])] for r in rows]
         (out / f.name).with_suffix(".jpg").write_bytes(image)
-        (out / f.name).write_text(json.dumps({"boxes": short(boxes), "ignore": short(ignore)}))
+        write_whole(out / f.name, json.dumps({"boxes": short(boxes), "ignore": short(ignore)}))
     return len(files)
 
 

@@ -12,6 +12,7 @@ import pathlib
 import cv2
 import numpy as np
 
+from .files import write_whole
 from .networks import Found, Teachers
 
 WIDTH = 400
@@ -47,13 +48,15 @@ def main() -> None:
     cv2.setNumThreads(1)
     teachers = Teachers(args.models)
     for k, file in enumerate(frames_of(args.sequence, args.frames)):
+        if (args.out / f"{k:06d}.json").exists():
+            continue
         image = cv2.imread(str(file))
         found = teachers.detect(image, args.doubt)
         scale = WIDTH / image.shape[1]
         small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
         cv2.imwrite(str(args.out / f"{k:06d}.jpg"), small, [cv2.IMWRITE_JPEG_QUALITY, 95])
         rows = truth(found, args.sure, scale, args.empty)
-        (args.out / f"{k:06d}.json").write_text(json.dumps(rows))
+        write_whole(args.out / f"{k:06d}.json", json.dumps(rows))
     print(f"{args.out}: {k + 1} frames")
 
 

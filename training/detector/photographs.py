@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import hashlib
+import itertools
 import json
 import pathlib
 import xml.etree.ElementTree as ElementTree
@@ -18,6 +19,7 @@ from collections.abc import Iterator
 import cv2
 
 from .data import LONGEST
+from .files import write_whole
 from .networks import COCO
 
 Row = tuple[str, float, float, float, float]
@@ -136,9 +138,9 @@ def write(p: Photograph, folder: pathlib.Path) -> bool:
         image = cv2.resize(image, None, fx=k, fy=k, interpolation=cv2.INTER_AREA)
     scaled = lambda rows: [[r[0], *(round(v * k, 1) for v in r[1:])] for r in rows]
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "labels.json").write_text(json.dumps({"labelled": p.labelled}))
+    write_whole(folder / "labels.json", json.dumps({"labelled": p.labelled}))
     cv2.imwrite(str(folder / f"{p.name}.jpg"), image, [cv2.IMWRITE_JPEG_QUALITY, 93])
-    (folder / f"{p.name}.json").write_text(json.dumps({"boxes": scaled(p.boxes), "ignore": scaled(p.ignore)}))
+    write_whole(folder / f"{p.name}.json", json.dumps({"boxes": scaled(p.boxes), "ignore": scaled(p.ignore)}))
     return True
 
 
@@ -163,6 +165,7 @@ def main() -> None:
     a("--voc", type=pathlib.Path, nargs=2, metavar=("PICTURES", "ANNOTATIONS"))
     a("--seed", type=int, default=14)
     a("--judge", type=float, default=0.1, help="share of the given pictures that is kept for judging")
+    a("--every", type=int, default=1, help="only every Nth picture of what is given: for trying things out")
     args = ap.parse_args()
 
     def everything() -> Iterator[Photograph]:
@@ -174,7 +177,7 @@ def main() -> None:
 
     count: dict[str, int] = {}
     apart = kept_apart(args.boxes / "kept_apart.txt")
-    for part, p in choose(everything(), apart, args.seed, args.judge):
+    for part, p in itertools.islice(choose(everything(), apart, args.seed, args.judge), 0, None, args.every):
         if (args.out / part / p.set_ / f"{p.name}.json").exists() or write(p, args.out / part / p.set_):
             count[f"{part}/{p.set_}"] = count.get(f"{part}/{p.set_}", 0) + 1
     for k, n in sorted(count.items()):

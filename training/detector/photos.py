@@ -38,6 +38,9 @@ def main() -> None:
     ap.add_argument("folders", type=pathlib.Path, nargs="+")
     ap.add_argument("--models", type=pathlib.Path, required=True)
     args = ap.parse_args()
+    done = args.out / "done"
+    if done.exists():  # which pictures are alike is only known when all are looked at
+        return
     args.out.mkdir(parents=True, exist_ok=True)
     teachers, thumbnails = Teachers(args.models), []
     files = sorted(f for d in args.folders for f in d.rglob("*") if f.suffix in (".jpg", ".png") and f.is_file())
@@ -54,6 +57,7 @@ def main() -> None:
         cv2.imwrite(str(name.with_suffix(".jpg")), image, [cv2.IMWRITE_JPEG_QUALITY, 92])
         name.with_suffix(".json").write_text(json.dumps({"boxes": [], "ignore": []}))
         thumbnails.append(small)
+    done.touch()
     print(f"{args.out}: {len(thumbnails)} of {len(files)} pictures")
 
 

@@ -24,6 +24,7 @@ from torch import Tensor, nn
 from .classes import CLASSES
 from .data import Augmenter, Frames, Sample, letterboxed, size
 from .distil import Distiller, distance, teacher
+from .files import write_whole
 from .fused import library
 from .loss import LossWeights, loss
 from .model import Yolo
@@ -152,13 +153,15 @@ def share_gradients(net: nn.Module, workers: int) -> None:
 
 
 class Log:
-    """log.csv, and the same lines to read; the mean of the losses since the last line."""
+    """log.csv, and the same lines to read; the mean of the losses since the last line. Resumed at `step`, lines
+    of steps that are done again fall away."""
 
-    def __init__(self, file: pathlib.Path, fresh: bool):
-        self.file, self.parts = file.open("w" if fresh else "a", newline=""), []
-        self.out = csv.writer(self.file)
-        if fresh:
-            self.out.writerow(FIELDS)
+    def __init__(self, file: pathlib.Path, step: int):
+        before = file.read_text().splitlines()[1:] if step and file.exists() else []
+        done = [line for line in before if line.count(",") == len(FIELDS) - 1 and int(line.split(",")[0]) <= step]
+        write_whole(file, "\n".join([",".join(FIELDS), *done, ""]))
+        self.file, self.parts = file.open("a", newline=""), []
+        self.out = csv.writer(self.file, lineterminator="\n")
         self.wall, self.cpu = time.time(), time.process_time()
 
     def write(self, step: int, lr: float) -> None:
@@ -180,7 +183,7 @@ def work(rank: int, frames: Frames, args: argparse.Namespace) -> None:
     t = Trainee(args, frames)
     graph = teacher(args.teacher) if args.teacher else None
     augmenters = [Augmenter(frames, *size, SHARES) for size in args.sizes]
-    log = Log(args.run / "log.csv", t.step == 0) if rank == 0 else None
+    log = Log(args.run / "log.csv", t.step) if rank == 0 else None
     for step in range(t.step, args.steps):
         for g in t.optimiser.param_groups:
             g["lr"] = rate(step, args)

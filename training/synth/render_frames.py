@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Renders training frames with exact boxes: python3 -m synth.render_frames OUT --count N --seed S
 
-OUT gets NNNNNN.jpg and, when all is done or on every 50th frame, boxes.jsonl; a stopped run resumes.
+OUT gets NNNNNN.jpg, NNNNNN.mask.png and, last, NNNNNN.json; a stopped run resumes.
 Frame k of seed S is the same on every run on the same machine."""
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 
 from detector.classes import CLASSES
+from detector.files import write_whole
 from .mesh import merged
 from .people import Cast
 from .props import PropShop
@@ -142,9 +143,7 @@ def main() -> None:
         image, truth, solid = frame(rng, composer, raster)
         cv2.imwrite(str(args.out / f"{name}.jpg"), image, [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(80, 96))])
         cv2.imwrite(str(args.out / f"{name}.mask.png"), solid.astype(np.uint8) * 255)
-        tmp = args.out / f"{name}.tmp"
-        tmp.write_text(json.dumps(truth))
-        tmp.rename(args.out / f"{name}.json")
+        write_whole(args.out / f"{name}.json", json.dumps(truth))
         if n % 100 == 0:
             print(f"{n} frames, {(time.time() - start) / n:.2f} s each", flush=True)
 

@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 
 from detector.classes import CLASSES
+from detector.files import write_whole
 
 FIRST_SEED, EVERY_S = 100_000, 0.5
 WIDTH, HEIGHT = 400, 300
@@ -52,7 +53,7 @@ def take(sequence: pathlib.Path, out: pathlib.Path, seed: int) -> None:
         name = out / f"{seed}_{frame['frame']:04d}"
         shutil.copyfile(sequence / frame["file"], name.with_suffix(".jpg"))
         cv2.imwrite(str(name.with_suffix(".mask.png")), np.full((HEIGHT, WIDTH), 255, np.uint8))
-        name.with_suffix(".json").write_text(json.dumps(labels(frame["detections"])))
+        write_whole(name.with_suffix(".json"), json.dumps(labels(frame["detections"])))
 
 
 def main() -> None:

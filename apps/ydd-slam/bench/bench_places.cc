@@ -33,7 +33,7 @@ Result<void> add_walk(const SeedRequest& request, int seed, bool look_alike, Pla
   run->atlas->keyframes().for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
     places.push_back({id, simulator.pose(static_cast<int>(keyframe.frame_index))});
   });
-  count_places(*run->atlas, places, LoopOptions(), counts);
+  count_places(*run->atlas, places, LoopOptions(), counts, request.apart_s);
   log::info("seed {}: {} keyframes, {} revisits so far", seed, places.size(), counts.queries);
   return {};
 }
@@ -79,7 +79,7 @@ Result<PlaceCounts> recording_counts(const std::string& sequence, const SeedRequ
     if (next != truth->end()) places.push_back({id, next->T_world_camera});
   });
   PlaceCounts counts;
-  count_places(*outcome->atlas, places, LoopOptions(), counts);
+  count_places(*outcome->atlas, places, LoopOptions(), counts, request.apart_s);
   return counts;
 }
 
@@ -93,6 +93,7 @@ Result<std::string> bench_places(const SeedRequest& request) {
   Json json = Json::array();
   for (const bool look_alike : {false, true}) {
     const std::string name = look_alike ? "simulated, look-alike rooms" : "simulated room";
+    if (request.seeds == 0 || !is_wanted(request, name)) continue;
     PlaceCounts counts;
     for (int i = 0; i < request.seeds; ++i) {
       if (auto r = add_walk(request, request.first_seed + i, look_alike, counts); !r) {

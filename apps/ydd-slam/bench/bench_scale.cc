@@ -69,6 +69,8 @@ std::vector<CostRow> cost_rows() {
        [](const SizedCosts& s) { return median_of(s.costs.look_ms); }},
       {"loop: pose graph, ms", "correct_ms",
        [](const SizedCosts& s) { return s.costs.correct_ms; }},
+      {"loop: prepared beside the mapper, ms", "prepare_ms",
+       [](const SizedCosts& s) { return s.costs.prepare_ms; }},
       {"loop: applied, ms", "apply_ms", [](const SizedCosts& s) { return s.costs.apply_ms; }},
       {"first save, CPU ms", "save_whole_ms",
        [](const SizedCosts& s) { return s.costs.save_whole_ms; }},
@@ -82,6 +84,12 @@ std::vector<CostRow> cost_rows() {
        [](const SizedCosts& s) { return static_cast<double>(s.costs.save_new_rows); }},
       {"load, CPU ms", "load_ms", [](const SizedCosts& s) { return s.costs.load_ms; }},
       {"memory of the map, MB", "memory_mb", [](const SizedCosts& s) { return s.memory_mb; }},
+      {"opened in part, CPU ms", "open_ms", [](const SizedCosts& s) { return s.costs.open_ms; }},
+      {"memory of it then, MB", "opened_mb", [](const SizedCosts& s) { return s.costs.opened_mb; }},
+      {"memory of it after walks, MB", "walked_mb",
+       [](const SizedCosts& s) { return s.costs.walked_mb; }},
+      {"place found and loaded from the file, median ms", "place_ms",
+       [](const SizedCosts& s) { return median_of(s.costs.place_ms); }},
   };
 }
 
@@ -123,7 +131,11 @@ Result<SizedCosts> measure_size(const std::vector<std::shared_ptr<const Atlas>>&
   sized.memory_mb = resident_now_mb() - before_mb;
   log::info("{} keyframes, {} points, {:.0f} MB", building.atlas.keyframes().size(),
             building.atlas.points().size(), sized.memory_mb);
-  Result<MapCosts> costs = measure_map(std::move(building), options, scratch->path() / "scale.map");
+  Result<MapCosts> costs =
+      measure_map(std::move(building), options, scratch->path() / "scale.map", [] {
+        ::malloc_trim(0);
+        return resident_now_mb();
+      });
   if (!costs) return costs.error();
   sized.costs = std::move(*costs);
   return sized;
@@ -163,7 +175,8 @@ Json json_of(const SizedCosts& s) {
   Json json = {{"keyframes", s.costs.keyframes},
                {"points", s.costs.points},
                {"new_keyframes", s.costs.new_keyframes},
-               {"lost_frames", s.costs.lost_frames}};
+               {"lost_frames", s.costs.lost_frames},
+               {"lost_in_part", s.costs.lost_in_part}};
   for (const CostRow& row : cost_rows()) json[row.key] = row.value(s);
   return json;
 }

@@ -18,6 +18,7 @@ struct SeedRequest {
   int width_px = 320;  ///< 4:3
   double fps = 10;
   double minutes = 30;          ///< of the walk
+  double apart_s = 6;           ///< between two looks at a place (places)
   std::string only;             ///< worlds or accidents whose name has this in it; empty: all
   std::string senses = "none";  ///< of motion, besides the camera (recovery)
   std::string out;              ///< JSON file; empty: none

@@ -39,4 +39,10 @@ void add_quiet(CLI::App& command, bool& quiet) {
       "Only warnings and errors, no progress");
 }
 
+void add_map_key(CLI::App& command, std::string& file) {
+  command.add_option("--map-key", file,
+                     "File with the key that map files are encrypted by (default: the one that "
+                     "YDD_MAP_KEY_FILE names, else they are plain; docs/privacy.md)");
+}
+
 }  // namespace ydd::app

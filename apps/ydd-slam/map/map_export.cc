@@ -8,6 +8,7 @@
 #include "map/map_jobs.h"
 #include "ydd/base/files.h"
 #include "ydd/base/log.h"
+#include "ydd/cloud/keyframe_picture.h"
 #include "ydd/cloud/ply.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/map_files/map_file.h"
@@ -43,6 +44,20 @@ Result<void> export_keyframes(const Atlas& atlas, MapId map, const std::string& 
   return write_file_atomically(file, format_trajectory(poses, TrajectoryFormat::tum));
 }
 
+/// How much colour a redacted cloud has.
+void tell_redaction(const Atlas& atlas, const MapInfo& map, const std::string& file) {
+  std::size_t left_out = 0;
+  atlas.keyframes().for_each([&](KeyFrameId, const KeyFrame& keyframe) {
+    const bool counts = keyframe.map == map.map && keyframe.picture;
+    left_out += counts && people_left_out(*keyframe.picture) ? 1 : 0;
+  });
+  if (left_out == map.pictures) return;
+  log::warning(
+      "{}: of {} of its {} pictures it is not known whether people are left out; they give no "
+      "colour",
+      file, map.pictures - left_out, map.pictures);
+}
+
 Result<void> export_dense(const Atlas& atlas, MapId map, const MapExportRequest& request) {
   const Result<std::vector<CloudPoint>> cloud = dense_cloud(atlas, map, request.cloud);
   if (!cloud) return Error{fmt::format("{}: {}", request.file, cloud.error().message)};
@@ -71,7 +86,9 @@ Result<void> export_grid(const Atlas& atlas, MapId map, const MapExportRequest& 
 }  // namespace
 
 Result<void> map_export(const MapExportRequest& request) {
-  const Result<Atlas> atlas = load_map(request.file);
+  const Result<MapKey> key = MapKey::find(request.map_key);
+  if (!key) return key.error();
+  const Result<Atlas> atlas = load_map(request.file, *key);
   if (!atlas) return atlas.error();
   const Result<MapInfo> chosen = choose(*atlas, request);
   if (!chosen) return chosen.error();
@@ -95,6 +112,7 @@ Result<void> map_export(const MapExportRequest& request) {
                  [&] { return export_keyframes(*atlas, chosen->map, request.keyframes); });
   }
   if (done) {
+    if (request.cloud.redact) tell_redaction(*atlas, *chosen, request.file);
     done = write(request.dense, [&] { return export_dense(*atlas, chosen->map, request); });
   }
   if (done) {

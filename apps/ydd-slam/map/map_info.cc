@@ -112,7 +112,9 @@ std::vector<MapInfo> describe_maps(const Atlas& atlas) {
 }
 
 Result<void> map_info(const MapInfoRequest& request) {
-  const Result<Atlas> atlas = load_map(request.file);
+  const Result<MapKey> key = MapKey::find(request.map_key);
+  if (!key) return key.error();
+  const Result<Atlas> atlas = load_map(request.file, *key);
   if (!atlas) return atlas.error();
   const std::vector<MapInfo> maps = describe_maps(*atlas);
   if (request.json) {

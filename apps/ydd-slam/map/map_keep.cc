@@ -11,8 +11,9 @@
 namespace ydd::app {
 namespace {
 
-Result<void> save_beside(const Atlas& atlas, const std::string& out, bool replace) {
-  return save_map(atlas, out, replace ? Replacing::anything : Replacing::lesser);
+Result<void> save_beside(const Atlas& atlas, const std::string& out, bool replace,
+                         const MapKey& key) {
+  return save_map(atlas, out, replace ? Replacing::anything : Replacing::lesser, key);
 }
 
 std::string content_of(const Atlas& atlas) {
@@ -22,7 +23,9 @@ std::string content_of(const Atlas& atlas) {
 }  // namespace
 
 Result<void> map_check(const MapCheckRequest& request) {
-  const MapCheck check = check_map(request.file);
+  const Result<MapKey> key = MapKey::find(request.map_key);
+  if (!key) return key.error();
+  const MapCheck check = check_map(request.file, *key);
   if (check.faults.empty()) {
     fmt::print("{}: sound: {} keyframes, {} points, {} {}\n", request.file, check.keyframes,
                check.points, check.maps, check.maps == 1 ? "map" : "maps");
@@ -37,11 +40,13 @@ Result<void> map_check(const MapCheckRequest& request) {
 }
 
 Result<void> map_prune(const MapPruneRequest& request) {
-  const Result<Atlas> atlas = load_map(request.file);
+  const Result<MapKey> key = MapKey::find(request.map_key);
+  if (!key) return key.error();
+  const Result<Atlas> atlas = load_map(request.file, *key);
   if (!atlas) return atlas.error();
   const Result<PrunedMap> pruned = prune_atlas(*atlas, request.options);
   if (!pruned) return Error{fmt::format("{}: {}", request.file, pruned.error().message)};
-  if (auto r = save_beside(pruned->atlas, request.out, request.replace_map); !r) return r;
+  if (auto r = save_beside(pruned->atlas, request.out, request.replace_map, *key); !r) return r;
   fmt::print("{}: {} of {} keyframes, {} of {} points and {} {} were never seen again\n",
              request.file, pruned->keyframes, atlas->keyframes().size(), pruned->points,
              atlas->points().size(), pruned->maps, pruned->maps == 1 ? "map" : "maps");
@@ -50,7 +55,9 @@ Result<void> map_prune(const MapPruneRequest& request) {
 }
 
 Result<void> map_split(const MapSplitRequest& request) {
-  const Result<Atlas> atlas = load_map(request.file);
+  const Result<MapKey> key = MapKey::find(request.map_key);
+  if (!key) return key.error();
+  const Result<Atlas> atlas = load_map(request.file, *key);
   if (!atlas) return atlas.error();
   std::set<MapId> there, wanted;
   for (const MapInfo& map : describe_maps(*atlas)) there.insert(map.map);
@@ -64,7 +71,7 @@ Result<void> map_split(const MapSplitRequest& request) {
   }
   const Result<Atlas> kept = keep_maps(*atlas, wanted);
   if (!kept) return Error{fmt::format("{}: {}", request.file, kept.error().message)};
-  if (auto r = save_beside(*kept, request.out, request.replace_map); !r) return r;
+  if (auto r = save_beside(*kept, request.out, request.replace_map, *key); !r) return r;
   fmt::print("{}: {} of {} maps, {}\n", request.out, wanted.size(), there.size(),
              content_of(*kept));
   return {};

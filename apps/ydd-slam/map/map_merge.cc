@@ -43,12 +43,14 @@ std::string report_of(const std::string& file, const MergedMaps& merged) {
 Result<void> map_merge(const MapMergeRequest& request) {
   const Result<SystemOptions> options = merge_options(request);
   if (!options) return options.error();
-  Result<Atlas> all = load_map(request.files.front());
+  const Result<MapKey> key = MapKey::find(request.map_key);
+  if (!key) return key.error();
+  Result<Atlas> all = load_map(request.files.front(), *key);
   if (!all) return all.error();
   std::string report;
   for (std::size_t i = 1; i < request.files.size(); ++i) {
     const std::string& file = request.files[i];
-    const Result<Atlas> next = load_map(file);
+    const Result<Atlas> next = load_map(file, *key);
     if (!next) return next.error();
     Result<MergedMaps> merged = merge_maps(*all, *next, options->mapping, options->loop);
     if (!merged) {
@@ -59,7 +61,7 @@ Result<void> map_merge(const MapMergeRequest& request) {
     all = std::move(merged->atlas);
   }
   const Replacing replacing = request.replace_map ? Replacing::anything : Replacing::lesser;
-  if (auto r = save_map(*all, request.out, replacing); !r) return r;
+  if (auto r = save_map(*all, request.out, replacing, *key); !r) return r;
   fmt::print("{}{}: {} keyframes, {} points\n", report, request.out, all->keyframes().size(),
              all->points().size());
   return {};

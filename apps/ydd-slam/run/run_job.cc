@@ -27,7 +27,8 @@ struct Inputs {
   Sequence sequence;
   ObjectCatalogue catalogue;
   std::unique_ptr<Detector> detector;  ///< null: none
-  std::optional<Atlas> map;
+  MapKey map_key;
+  RunMap map;
   MotionSamples motion;
 };
 
@@ -54,6 +55,23 @@ void tell_pairing(const Sequence& sequence, const SequenceOptions& options) {
   if (!warning.empty()) log::warning("{}: {}", sequence.place().string(), warning);
 }
 
+/// Nobody can be left out of a picture whose boxes are unknown.
+Result<void> check_redaction(const RunRequest& request, const Detector* detector,
+                             const SystemOptions& options) {
+  if (!request.redact) return {};
+  if (!detector) {
+    return Error{
+        "--redact: people are left out by their boxes: name a detector (--detector) or recorded "
+        "boxes (--detections)"};
+  }
+  if (options.detect.asynchronous()) {
+    return Error{
+        "--redact: needs the boxes of each frame; leave out --detect asynchronous "
+        "(detect.mode)"};
+  }
+  return {};
+}
+
 Result<Inputs> open_inputs(const RunRequest& asked) {
   if (auto r = check_watchers(asked); !r) return r.error();
   Result<ConfiguredRecording> configured = effective_configuration(asked);
@@ -73,21 +91,27 @@ Result<Inputs> open_inputs(const RunRequest& asked) {
     if (!by_default) return detector.error();
     return Error{detector.error().message + " (" + default_detector_origin() + ")"};
   }
-  Result<std::optional<Atlas>> map =
-      open_run_map(*request, configuration.camera, configuration.options);
+  if (auto r = check_redaction(*request, detector->get(), configuration.options); !r) {
+    return r.error();
+  }
+  Result<MapKey> map_key = run_map_key(*request);
+  if (!map_key) return map_key.error();
+  Result<RunMap> map =
+      open_run_map(*request, *map_key, configuration.camera, configuration.options);
   if (!map) return map.error();
   Result<MotionSamples> motion =
       run_motion(*request, sequence->recording(), configuration.options.reckoning);
   if (!motion) return motion.error();
   return Inputs{std::move(configuration), *std::move(request),  *std::move(sequence),
-                *std::move(catalogue),    *std::move(detector), *std::move(map),
-                *std::move(motion)};
+                *std::move(catalogue),    *std::move(detector), *std::move(map_key),
+                *std::move(map),          *std::move(motion)};
 }
 
 /// Replaces detect.mode "auto". Runs of equal bytes do not depend on how quick a machine is.
 void settle_detect_mode(Inputs& inputs) {
   SystemOptions& options = inputs.configuration.options;
   if (options.detect.asynchronous()) return;
+  if (inputs.request.redact) options.detect.mode = DetectMode::every_frame;
   const bool looks = inputs.detector != nullptr && !inputs.request.detector.empty();
   if (!looks || options.deterministic) {
     options.detect.mode = DetectMode::every_frame;
@@ -159,9 +183,9 @@ Result<RunOutcome> run_sequence(const RunRequest& asked) {
   settle_detect_mode(*inputs);
   const bool has_detector = inputs->detector != nullptr;
   const std::string device = has_detector ? inputs->detector->device() : "";
-  SlamSystem system(camera, inputs->configuration.options, inputs->catalogue,
-                    std::move(inputs->detector), std::move(inputs->map));
-  if (auto r = prepare_run_map(request, system); !r) return r.error();
+  SlamSystem system = make_run_system(camera, inputs->configuration.options, inputs->catalogue,
+                                      std::move(inputs->detector), std::move(inputs->map));
+  if (auto r = prepare_run_map(request, inputs->map_key, system); !r) return r.error();
   const std::int64_t start_ns = wall_clock_ns();
   const PlayInput input{inputs->sequence, camera, request, inputs->catalogue, inputs->motion};
   const Result<PlayEnd> end = play_watched(input, system, listeners, has_detector, folder->path());

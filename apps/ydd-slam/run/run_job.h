@@ -42,8 +42,10 @@ struct RunRequest {
   std::string video;               ///< file for a video of annotated frames; empty: none
   std::string map;                 ///< file to go on with; empty: none
   std::string save_map;            ///< file to save to; empty: none
+  std::string map_key;             ///< file with the key of both; empty: what the environment says
   bool replace_map = false;        ///< even by a lesser map
   bool localization_only = false;  ///< use the map, do not change it
+  bool redact = false;             ///< no people in any picture that the run writes or shows
   std::string dynamic;
   std::string trajectory_format = "tum";
   std::optional<double> max_difference_s;  ///< where given, these count more than the

@@ -18,6 +18,7 @@
 #include "ydd/base/log.h"
 #include "ydd/dataset/frame_source.h"
 #include "ydd/live/live_run.h"
+#include "ydd/pictures/redact.h"
 #include "ydd/system/motion_feed.h"
 
 namespace ydd::app {
@@ -112,6 +113,7 @@ class Playback {
   /// Until the sequence ends, a watcher or a signal ends it, or something fails.
   Result<void> run() {
     if (input_.sequence.is_live()) return look_through(*input_.sequence.recording().live);
+    system_.set_patient(!input_.request.realtime);
     const std::size_t end = input_.sequence.size();
     FrameSource source(input_.sequence, input_.camera, prefetch(input_.request));
     for (std::size_t i = 0; i < end; ++i) {
@@ -198,11 +200,13 @@ class Playback {
     recorder_.add(*report, map_size(system_));
     listeners_.tracks.add(*report);
     untracked_.add(frame, *report);
-    listeners_.moments.add(frame, *report);
-    if (live_) live_->publish(frame, *report);
+    const RgbdFrame shown =
+        input_.request.redact ? redacted(frame, *report, input_.catalogue) : frame;
+    listeners_.moments.add(shown, *report);
+    if (live_) live_->publish(shown, *report);
     progress_.update(static_cast<std::size_t>(frame.index) + 1, state_text(*report, system_));
-    if (listeners_.pictures) draw(frame, *report);
-    if (listeners_.foxglove) show_foxglove(frame, *report);
+    if (listeners_.pictures) draw(shown, *report);
+    if (listeners_.foxglove) show_foxglove(shown, *report);
     return {};
   }
 

@@ -21,6 +21,7 @@ concept Choice = std::is_enum_v<E> && requires(E value) {
   { choices_of(value).size() } -> std::convertible_to<std::size_t>;
 };
 
+/// The value's name, as in files and on the command line.
 template <Choice E>
 constexpr std::string_view to_string(E value) {
   return choices_of(value)[static_cast<std::size_t>(value)];

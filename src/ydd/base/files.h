@@ -38,7 +38,8 @@ class FreshFile {
   FreshFile& operator=(const FreshFile&) = delete;
   ~FreshFile();
 
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return path_; }  ///< Where it is while it is written.
+  /// Of the open file, for whoever writes to it by other means; stays this object's.
   int descriptor() const { return descriptor_; }
   /// Writes at its end.
   Result<void> append(std::string_view bytes);

@@ -12,9 +12,10 @@ namespace ydd {
 /// erased never finds the slot's next tenant, because generations differ.
 template <class Tag>
 struct Id {
-  std::uint32_t slot = 0;
+  std::uint32_t slot = 0;        ///< where in its table
   std::uint32_t generation = 0;  ///< 0: no value at all
 
+  /// Whether it names anything, perhaps something that is no more.
   bool valid() const { return generation != 0; }
   friend auto operator<=>(const Id&, const Id&) = default;
 };
@@ -22,15 +23,17 @@ struct Id {
 struct KeyFrameTag;
 struct MapPointTag;
 struct MapTag;
-using KeyFrameId = Id<KeyFrameTag>;
-using MapPointId = Id<MapPointTag>;
-using MapId = Id<MapTag>;
+using KeyFrameId = Id<KeyFrameTag>;  ///< Names a keyframe of an atlas.
+using MapPointId = Id<MapPointTag>;  ///< Names a landmark of an atlas.
+using MapId = Id<MapTag>;            ///< Names one of an atlas's maps.
 
 }  // namespace ydd
 
+/// @cond
 template <class Tag>
 struct std::hash<ydd::Id<Tag>> {
   std::size_t operator()(const ydd::Id<Tag>& id) const noexcept {
     return (static_cast<std::size_t>(id.generation) << 32) ^ id.slot;
   }
 };
+/// @endcond

@@ -15,25 +15,25 @@ namespace ydd {
 
 /// Inclusive bounds of a numeric option.
 struct Range {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
+  double min = -std::numeric_limits<double>::infinity();  ///< least value that is allowed
+  double max = std::numeric_limits<double>::infinity();   ///< largest value that is allowed
 };
 
 /// An enumeration somewhere, by the number of its value.
 struct ChoiceTarget {
-  void* place = nullptr;
-  std::size_t (*get)(const void* place) = nullptr;
-  void (*set)(void* place, std::size_t value) = nullptr;
+  void* place = nullptr;                                  ///< the enumeration's value
+  std::size_t (*get)(const void* place) = nullptr;        ///< its number, from 0
+  void (*set)(void* place, std::size_t value) = nullptr;  ///< sets it by its number
 };
 
 /// One setting: where its value lives, what may stand there, and a sentence about it.
 struct Option {
-  std::string key;   ///< dotted: "orb.levels"
-  std::string unit;  ///< "px", "m", "s"; empty for a plain number
-  Range range;
+  std::string key;                   ///< dotted: "orb.levels"
+  std::string unit;                  ///< "px", "m", "s"; empty for a plain number
+  Range range;                       ///< of a number; else without bounds
   std::vector<std::string> choices;  ///< of an enumeration; for a text option also empty: any text
-  std::string sentence;
-  std::variant<bool*, int*, double*, std::string*, ChoiceTarget> target;
+  std::string sentence;              ///< what it does, for people
+  std::variant<bool*, int*, double*, std::string*, ChoiceTarget> target;  ///< where its value lives
 };
 
 /// All options of a structure, bound to its members.
@@ -49,13 +49,17 @@ struct Option {
 /// documentation all come from that. The structure must outlive the table.
 class OptionTable {
  public:
-  void add(std::string_view key, bool& value, std::string_view sentence);
+  void add(std::string_view key, bool& value, std::string_view sentence);  ///< A switch.
+  /// A whole number in a range; `unit` may be empty.
   void add(std::string_view key, int& value, Range range, std::string_view unit,
            std::string_view sentence);
+  /// A number in a range; `unit` may be empty.
   void add(std::string_view key, double& value, Range range, std::string_view unit,
            std::string_view sentence);
+  /// Text: one of `choices`, or any where these are empty.
   void add(std::string_view key, std::string& value, std::vector<std::string> choices,
            std::string_view sentence);
+  /// A value of an enumeration, by its name.
   template <Choice E>
   void add(std::string_view key, E& value, std::string_view sentence) {
     const auto names = choices_of(value);
@@ -89,7 +93,7 @@ class OptionTable {
   /// Current values as YAML, in the order of description, a comment on each line.
   std::string to_yaml() const;
 
-  const std::vector<Option>& options() const { return options_; }
+  const std::vector<Option>& options() const { return options_; }  ///< In the order of description.
 
  private:
   Option& append(std::string_view key, std::string_view sentence);

@@ -12,8 +12,10 @@ template <class T>
 class Published {
  public:
   Published() = default;
+  /// Starts with a value; null: none yet.
   explicit Published(std::shared_ptr<const T> value) : value_(std::move(value)) {}
 
+  /// From now on others get this one; who has the old one keeps it. Any thread.
   void set(std::shared_ptr<const T> value) {
     // The old value is released outside the lock: its destructor may be long.
     const std::lock_guard lock(mutex_);

@@ -10,7 +10,7 @@ namespace ydd {
 
 /// What a user can mend: one line that names the file, key or frame and the way out.
 struct Error {
-  std::string message;
+  std::string message;  ///< without a line break, for people
 };
 
 /// A value, or the reason why input did not give one.
@@ -20,30 +20,34 @@ struct Error {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : state_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
+  /// Success.
+  Result(T value) : state_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+  /// Failure.
   Result(Error error) : state_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
-  bool ok() const { return std::holds_alternative<T>(state_); }
-  explicit operator bool() const { return ok(); }
+  bool ok() const { return std::holds_alternative<T>(state_); }  ///< Whether there is a value.
+  explicit operator bool() const { return ok(); }                ///< The same.
 
   /// @throws std::logic_error if there is no value.
   T& value() & {
     require();
     return std::get<T>(state_);
   }
+  /// Of what may not be changed. @throws std::logic_error when there is none.
   const T& value() const& {
     require();
     return std::get<T>(state_);
   }
+  /// Moves the value out.
   T value() && {
     require();
     return std::get<T>(std::move(state_));
   }
-  T& operator*() & { return value(); }
-  const T& operator*() const& { return value(); }
-  T operator*() && { return std::move(*this).value(); }
-  T* operator->() { return &value(); }
-  const T* operator->() const { return &value(); }
+  T& operator*() & { return value(); }                   ///< As value().
+  const T& operator*() const& { return value(); }        ///< As value().
+  T operator*() && { return std::move(*this).value(); }  ///< Moves the value out.
+  T* operator->() { return &value(); }                   ///< As value().
+  const T* operator->() const { return &value(); }       ///< As value().
 
   /// @throws std::bad_variant_access if there is a value.
   const Error& error() const { return std::get<Error>(state_); }
@@ -60,11 +64,12 @@ template <>
 class [[nodiscard]] Result<void> {
  public:
   Result() = default;
+  /// Failure.
   Result(Error error) : error_(std::move(error)), ok_(false) {}  // NOLINT
 
-  bool ok() const { return ok_; }
-  explicit operator bool() const { return ok_; }
-  const Error& error() const { return error_; }
+  bool ok() const { return ok_; }                 ///< Whether it was done.
+  explicit operator bool() const { return ok_; }  ///< The same.
+  const Error& error() const { return error_; }   ///< Why not; only after a failure.
 
  private:
   Error error_;

@@ -29,7 +29,7 @@ namespace ydd {
 template <class T, class Tag>
 class Table {
  public:
-  using IdType = Id<Tag>;
+  using IdType = Id<Tag>;  ///< What names its values.
 
   Table() = default;
   Table(Table&&) noexcept = default;
@@ -61,6 +61,7 @@ class Table {
     return s ? s->value.get() : nullptr;
   }
 
+  /// Whether an id names a value that is still there.
   bool contains(IdType id) const { return find(id) != nullptr; }
 
   /// The value. @throws std::logic_error on a stale id.
@@ -90,8 +91,8 @@ class Table {
     --size_;
   }
 
-  std::size_t size() const { return size_; }
-  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }  ///< Number of values.
+  bool empty() const { return size_ == 0; }   ///< Whether there is no value.
   /// One more than the largest slot ever used: the length for arrays indexed by slot.
   std::uint32_t slots() const { return slots_; }
 
@@ -107,7 +108,12 @@ class Table {
   template <class Visit>
   void for_each_in(std::uint32_t first, std::uint32_t end, Visit&& visit) const {
     for (std::uint32_t slot = first; slot < end && slot < slots_; ++slot) {
-      const Slot& s = slot_at(slot);
+      const Chunk* const chunk = chunk_of(slot);
+      if (!chunk) {
+        slot |= kChunk - 1;  // the rest of it is not there either
+        continue;
+      }
+      const Slot& s = chunk->slots[slot % kChunk];
       if (s.value) visit(IdType{slot, s.generation}, static_cast<const T&>(*s.value));
     }
   }
@@ -147,7 +153,7 @@ class Table {
     std::vector<IdType> out;
     out.reserve(free_.size());
     for (const std::uint32_t slot : free_) {
-      out.push_back({slot, slot_at(slot).generation});
+      out.push_back({slot, chunk_of(slot)->slots[slot % kChunk].generation});
     }
     return out;
   }
@@ -183,6 +189,27 @@ class Table {
     return table;
   }
 
+  /// A table of `slots` slots in which only these values are; the ids of others find nothing, as if
+  /// they had been erased. Costs memory for what is there, and a pointer for each 4,096 slots.
+  /// Nothing when an id is not valid, beyond the last slot or given twice.
+  static std::optional<Table> of_part(std::vector<std::pair<IdType, T>> values,
+                                      std::uint32_t slots) {
+    Table table;
+    table.slots_ = slots;
+    table.size_ = values.size();
+    const auto nothing = std::make_shared<Branch>(0);  // of an earlier epoch: cloned when written
+    table.branches_.assign((slots + kChunk * kBranch - 1) / (kChunk * kBranch), nothing);
+    for (auto& [id, value] : values) {
+      if (!id.valid() || id.slot >= slots) return std::nullopt;
+      Slot& s = table.writable_chunk(id.slot).slots[id.slot % kChunk];
+      if (s.value) return std::nullopt;
+      s.generation = id.generation;
+      s.epoch = table.epoch_;
+      s.value = std::make_shared<T>(std::move(value));
+    }
+    return table;
+  }
+
   /// An immutable copy that later edits of this table do not touch. O(slots / 4096).
   Table snapshot() {
     Table copy;
@@ -193,6 +220,45 @@ class Table {
     copy.epoch_ = ++epoch_;  // values written before are now shared with the copy
     ++epoch_;                // and the copy, should it ever be edited, owns nothing of ours
     return copy;
+  }
+
+  /// A copy of a snapshot to be edited by whoever asks, in any thread: what neither changes is
+  /// shared. O(slots / 4096).
+  Table fork() const {
+    Table copy;
+    copy.branches_ = branches_;
+    copy.free_ = free_;
+    copy.slots_ = slots_;
+    copy.size_ = size_;
+    copy.epoch_ = epoch_;  // of this snapshot: its own values are all older, and so not owned
+    return copy;
+  }
+
+  /// Takes over the edits that were made on a fork of an earlier snapshot of this table: wherever
+  /// this still has the value that `before`, the snapshot, has, it gets that of `after`, the fork,
+  /// in which nothing may have been inserted or erased. Calls `visit(id)` for all others that are
+  /// here: edited or inserted meanwhile. Costs as much as has been edited meanwhile, and
+  /// O(slots / 4096).
+  template <class Visit>
+  void adopt(const Table& before, const Table& after, Visit&& visit) {
+    for (std::size_t b = 0; b < branches_.size(); ++b) {
+      const Branch* const old = b < before.branches_.size() ? before.branches_[b].get() : nullptr;
+      if (branches_[b].get() == old) {
+        branches_[b] = after.branches_[b];
+        continue;
+      }
+      const auto first = static_cast<std::uint32_t>(b * kBranch * kChunk);
+      Branch& branch = writable_branch(first);
+      for (std::uint32_t c = 0; c < kBranch; ++c) {
+        if (!branch.chunks[c]) continue;
+        if (old && branch.chunks[c] == old->chunks[c]) {
+          branch.chunks[c] = after.branches_[b]->chunks[c];
+        } else {
+          adopt_chunk(first + c * kChunk, old ? old->chunks[c].get() : nullptr,
+                      old ? after.branches_[b]->chunks[c].get() : nullptr, visit);
+        }
+      }
+    }
   }
 
  private:
@@ -211,19 +277,20 @@ class Table {
 
   struct Branch {
     explicit Branch(std::uint64_t e) : epoch(e) {}
-    std::array<std::shared_ptr<Chunk>, kBranch> chunks;  ///< null: beyond the last slot
+    std::array<std::shared_ptr<Chunk>, kBranch> chunks;  ///< null: none of its slots is used
     std::uint64_t epoch;
   };
 
-  /// Of a slot that has been used.
-  const Slot& slot_at(std::uint32_t slot) const {
-    const Branch& branch = *branches_[slot / (kChunk * kBranch)];
-    return branch.chunks[slot / kChunk % kBranch]->slots[slot % kChunk];
+  /// Of a slot below `slots_`; null in a part of a table where nothing is.
+  const Chunk* chunk_of(std::uint32_t slot) const {
+    return branches_[slot / (kChunk * kBranch)]->chunks[slot / kChunk % kBranch].get();
   }
 
   const Slot* slot_of(IdType id) const {
     if (!id.valid() || id.slot >= slots_) return nullptr;
-    const Slot& s = slot_at(id.slot);
+    const Chunk* const chunk = chunk_of(id.slot);
+    if (!chunk) return nullptr;
+    const Slot& s = chunk->slots[id.slot % kChunk];
     return s.generation == id.generation && s.value ? &s : nullptr;
   }
 
@@ -248,11 +315,27 @@ class Table {
 
   Chunk& writable_chunk(std::uint32_t slot) {
     std::shared_ptr<Chunk>& chunk = writable_branch(slot).chunks[slot / kChunk % kBranch];
-    if (chunk->epoch != epoch_) {
+    if (!chunk) {
+      chunk = std::make_shared<Chunk>(epoch_);
+    } else if (chunk->epoch != epoch_) {
       chunk = std::make_shared<Chunk>(*chunk);
       chunk->epoch = epoch_;
     }
     return *chunk;
+  }
+
+  template <class Visit>
+  void adopt_chunk(std::uint32_t first, const Chunk* before, const Chunk* after, Visit&& visit) {
+    Chunk& mine = writable_chunk(first);
+    for (std::uint32_t i = 0; i < kChunk; ++i) {
+      Slot& s = mine.slots[i];
+      if (!s.value) continue;
+      if (before && after && before->slots[i].value == s.value) {
+        s = after->slots[i];
+      } else {
+        visit(IdType{first + i, s.generation});
+      }
+    }
   }
 
   std::vector<std::shared_ptr<Branch>> branches_;

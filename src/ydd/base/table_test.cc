@@ -351,5 +351,63 @@ TEST(Table, ManySnapshotsOfManyBranchesStayAsTheyWere) {
   }
 }
 
+TEST(Table, APartHasItsValuesUnderTheirIdsAndNothingElse) {
+  const std::vector<std::pair<AnimalId, std::string>> values = {
+      {{3, 2}, "cat"}, {{9000, 1}, "dog"}, {{9001, 5}, "cow"}};
+  auto part = Animals::of_part(values, 20'000);
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->size(), 3U);
+  EXPECT_EQ(part->slots(), 20'000U);
+  for (const auto& [id, value] : values) EXPECT_EQ(part->at(id), value);
+  EXPECT_FALSE(part->find({3, 1}));
+  EXPECT_FALSE(part->find({4, 1}));
+  EXPECT_FALSE(part->find({15'000, 1}));
+  EXPECT_EQ(part->ids(), (std::vector<AnimalId>{{3, 2}, {9000, 1}, {9001, 5}}));
+  int seen = 0;
+  part->for_each_in(8'990, 9'001, [&](AnimalId, const std::string&) { ++seen; });
+  EXPECT_EQ(seen, 1);
+  const Animals before = part->snapshot();
+  part->edit({3, 2}) = "lynx";
+  EXPECT_EQ(before.at({3, 2}), "cat");
+  EXPECT_EQ(part->at({3, 2}), "lynx");
+  EXPECT_FALSE(Animals::of_part({{{3, 1}, "a"}, {{3, 1}, "b"}}, 10)) << "twice";
+  EXPECT_FALSE(Animals::of_part({{{10, 1}, "a"}}, 10)) << "beyond the last";
+  EXPECT_FALSE(Animals::of_part({{{1, 0}, "a"}}, 10)) << "no id";
+}
+
+TEST(Table, EditsOfAForkAreTakenOverWhereNothingHasChangedMeanwhile) {
+  Animals animals;
+  std::vector<AnimalId> ids;
+  for (int i = 0; i < 20'000; ++i) ids.push_back(animals.insert(std::to_string(i)));
+  const Animals before = animals.snapshot();
+  Animals fork = before.fork();
+  for (const AnimalId id : ids) {
+    if (id.slot % 2 == 0) fork.edit(id) += " moved";
+  }
+  EXPECT_EQ(before.at(ids[0]), "0") << "a snapshot stays as it is";
+  animals.edit(ids[100]) = "newer";
+  animals.edit(ids[101]) = "newer";
+  animals.erase(ids[200]);
+  const AnimalId reused = animals.insert("new");
+  const AnimalId added = animals.insert("added");
+  EXPECT_EQ(reused.slot, 200U);
+  std::vector<AnimalId> newer;
+  animals.adopt(before, fork, [&](AnimalId id) { newer.push_back(id); });
+  EXPECT_EQ(newer, (std::vector<AnimalId>{ids[100], ids[101], reused, added}));
+  for (const AnimalId id : ids) {
+    if (id == ids[200]) continue;
+    const std::string plain = std::to_string(id.slot);
+    const bool is_newer = id == ids[100] || id == ids[101];
+    ASSERT_EQ(animals.at(id), is_newer ? "newer" : id.slot % 2 == 0 ? plain + " moved" : plain);
+  }
+  EXPECT_EQ(animals.size(), 20'001U);
+  // What was taken over belongs to the fork as well: it is cloned before it is edited.
+  animals.edit(ids[0]) = "again";
+  EXPECT_EQ(fork.at(ids[0]), "0 moved");
+  animals.erase(ids[2]);
+  EXPECT_EQ(fork.at(ids[2]), "2 moved");
+  EXPECT_EQ(animals.insert("in its place").slot, 2U);
+}
+
 }  // namespace
 }  // namespace ydd

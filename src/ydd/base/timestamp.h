@@ -10,8 +10,9 @@ namespace ydd {
 
 /// Nanoseconds since the epoch of the recording, exact: 1305031102.175304 s keeps its digits.
 struct Timestamp {
-  std::int64_t ns = 0;
+  std::int64_t ns = 0;  ///< nanoseconds
 
+  /// As a plain number, which keeps microseconds of today's times.
   double seconds() const { return static_cast<double>(ns) * 1e-9; }
   friend auto operator<=>(const Timestamp&, const Timestamp&) = default;
 };

@@ -15,9 +15,9 @@ std::int64_t thread_cpu_ns();
 
 /// How long one stage took for one frame.
 struct StageTime {
-  std::string stage;
-  double wall_ms = 0.0;
-  double cpu_ms = 0.0;  ///< of the thread that ran it
+  std::string stage;     ///< what was done: "orb"
+  double wall_ms = 0.0;  ///< from beginning to end, milliseconds
+  double cpu_ms = 0.0;   ///< of the thread that ran it
 };
 
 /// The stages of one frame in the order in which they ran.
@@ -27,11 +27,12 @@ using StageTimes = std::vector<StageTime>;
 /// throw: without memory for it the time is lost.
 class StageTimer {
  public:
+  /// Measures from now until stop() or its end, then adds to `times`, which must live longer.
   StageTimer(StageTimes& times, std::string stage);
   ~StageTimer();
   StageTimer(const StageTimer&) = delete;
   StageTimer& operator=(const StageTimer&) = delete;
-  void stop();
+  void stop();  ///< Ends the measurement now; later calls do nothing.
 
  private:
   StageTimes* times_;
@@ -42,9 +43,11 @@ class StageTimer {
 
 /// Median, mean and tails of a series; all zero when it is empty.
 struct SeriesStatistics {
-  std::size_t count = 0;
+  std::size_t count = 0;  ///< length of the series
+  /// In the unit of its values; p05: 5 of 100 are smaller.
   double mean = 0, median = 0, p05 = 0, p95 = 0, p99 = 0, min = 0, max = 0;
 };
+/// In the unit of the values, which may come in any order.
 SeriesStatistics statistics_of(std::vector<double> values);
 
 }  // namespace ydd

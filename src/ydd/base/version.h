@@ -2,5 +2,5 @@
 #pragma once
 
 namespace ydd {
-inline constexpr const char* kVersion = "0.1.0";
+inline constexpr const char* kVersion = "0.1.0";  ///< Of the whole project, major.minor.patch.
 }

@@ -14,6 +14,7 @@ namespace ydd {
 namespace {
 
 constexpr double kMetresPerCount = 0.001;
+constexpr Bgr kGrey = {128, 128, 128};
 // Two readings of one surface agree within the larger of these: pose error and depth noise.
 constexpr double kTolerance_m = 0.08;
 constexpr double kToleranceShare = 0.04;
@@ -155,6 +156,7 @@ Result<KeyframeCloud> cloud_of(const Atlas& atlas, KeyFrameId id, Pictures& pict
   const Result<OpenPicture> picture = open_keyframe_picture(*keyframe.picture);
   if (!picture) return picture.error();
   const auto witnesses = witnesses_of(atlas, keyframe, pictures, options);
+  const bool grey = options.redact && !people_left_out(*keyframe.picture);
   const RawDepthImage& depth_mm = picture->depth_mm;
   KeyframeCloud cloud{id, keyframe.T_world_camera.translation().cast<float>(), {}};
   for (int y = 0; y < depth_mm.height(); ++y) {
@@ -165,7 +167,7 @@ Result<KeyframeCloud> cloud_of(const Atlas& atlas, KeyFrameId id, Pictures& pict
           keyframe.T_world_camera * (depth_m * pictures.ray(depth_mm, x, y));
       if (stood_never(pictures, witnesses.nearest, p_world)) continue;
       if (is_gone(pictures, witnesses.latest, p_world)) continue;
-      cloud.points.push_back({p_world.cast<float>(), picture->colour(x, y)});
+      cloud.points.push_back({p_world.cast<float>(), grey ? kGrey : picture->colour(x, y)});
     }
   }
   return cloud;

@@ -13,7 +13,7 @@ namespace ydd {
 /// A point of a dense cloud.
 struct CloudPoint {
   Eigen::Vector3f p_world;  ///< metres
-  Bgr colour{};
+  Bgr colour{};             ///< mean of what was averaged into it
 };
 
 /// How keyframes' pictures become a cloud.
@@ -22,13 +22,14 @@ struct DenseCloudOptions {
   double max_depth_m = 4.0;   ///< farther readings of a camera like a Kinect are too coarse
   int witnesses = 6;          ///< covisible keyframes that are asked about each point, ...
   int latest_witnesses = 16;  ///< ... and the last of all that came after
+  bool redact = false;        ///< grey from pictures that may show people (people_left_out)
 };
 
 /// What one keyframe adds to the cloud.
 struct KeyframeCloud {
-  KeyFrameId keyframe;
-  Eigen::Vector3f origin;  ///< of its camera, world
-  std::vector<CloudPoint> points;
+  KeyFrameId keyframe;             ///< whose picture it is made of
+  Eigen::Vector3f origin;          ///< of its camera, world
+  std::vector<CloudPoint> points;  ///< of the static scene, world frame
 };
 
 /// The static scene as the pictures of one map's keyframes show it, keyframe by keyframe in slot

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/cloud/dense_cloud.h"
 
+#include <set>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -39,7 +41,7 @@ struct Scene {
 
 /// Seen by a camera that moves sideways; `ghost_in` tells of each picture whether the thing is
 /// there.
-Scene walls_scene(const std::vector<bool>& ghost_in, bool distorted = false) {
+Scene walls_scene(const std::vector<bool>& ghost_in, bool distorted = false, bool looked = false) {
   tw::PointWorld world = tw::make_world(300, 5);
   if (distorted) {
     world.camera.k1 = 0.1;
@@ -56,8 +58,9 @@ Scene walls_scene(const std::vector<bool>& ghost_in, bool distorted = false) {
   for (std::size_t v = 0; v < views.size(); ++v) {
     KeyFrame keyframe = tw::keyframe_of(views[v], static_cast<std::int64_t>(v));
     keyframe.map = scene.map;
-    keyframe.picture = std::make_shared<const KeyFramePicture>(
-        make_keyframe_picture(wall_picture(world.camera, 0, ghost_in[v])));
+    PictureSource source = wall_picture(world.camera, 0, ghost_in[v]);
+    source.looked = looked;
+    keyframe.picture = std::make_shared<const KeyFramePicture>(make_keyframe_picture(source));
     const KeyFrameId id = scene.atlas.add_keyframe(std::move(keyframe));
     for (std::size_t k = 0; k < views[v].shown.size(); ++k) {
       MapPointId& point = points[static_cast<std::size_t>(views[v].shown[k])];
@@ -118,6 +121,23 @@ TEST(DenseCloud, FartherReadingsThanAskedForAreLeftOut) {
   const Scene scene = wall_scene(false);
   EXPECT_TRUE(dense_cloud(scene.atlas, scene.map, {0.05, 2.0, 6}).value().empty());
   EXPECT_TRUE(dense_cloud(scene.atlas, {7, 1}, {}).value().empty());  // another map
+}
+
+TEST(DenseCloud, RedactedItHasColourOnlyWhereSomebodyLookedForPeople) {
+  DenseCloudOptions options;
+  const auto colours = [&](bool looked) {
+    const Scene scene = walls_scene({false, false}, false, looked);
+    std::set<Bgr> out;
+    for (const CloudPoint& p : dense_cloud(scene.atlas, scene.map, options).value()) {
+      out.insert(p.colour);
+    }
+    return out;
+  };
+  const Bgr grey = {128, 128, 128};
+  EXPECT_FALSE(colours(false).contains(grey));
+  options.redact = true;
+  EXPECT_EQ(colours(false), std::set<Bgr>{grey});
+  EXPECT_FALSE(colours(true).contains(grey));
 }
 
 TEST(DenseCloud, TwiceTheSameBytes) {

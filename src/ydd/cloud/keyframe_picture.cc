@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
+#include "ydd/dynamics/people_boxes.h"
 #include "ydd/image/image_header.h"
 #include "ydd/image/jpeg_codec.h"
 #include "ydd/image/png_decoder.h"
@@ -23,6 +25,8 @@ constexpr float kAgreement = 0.03F;  // of the depth: readings of one surface
 constexpr int kLargest_mm = 65'535;
 constexpr int kJpegQuality = 85;
 constexpr Bgr kNeutral = {128, 128, 128};
+// A text in the depth picture: it stands for the whole, and older programs pass over it.
+constexpr std::string_view kPeopleNote("people\0left out by their boxes", 29);
 
 /// Mean of the four readings behind a pixel of the small picture; 0 unless at least three agree.
 float half_depth_m(const DepthImage& depth_m, int x, int y) {
@@ -125,7 +129,7 @@ void grow_lines(std::vector<bool>& mask, int lines, int length, std::size_t step
   }
 }
 
-std::string encode_depth(const RawDepthImage& depth_mm) {
+std::string encode_depth(const RawDepthImage& depth_mm, std::string_view note) {
   PngRows rows;
   rows.row_size = static_cast<std::size_t>(depth_mm.width()) * 2U;
   for (int y = 0; y < depth_mm.height(); ++y) {
@@ -140,7 +144,7 @@ std::string encode_depth(const RawDepthImage& depth_mm) {
   header.height_px = depth_mm.height();
   header.bits_per_channel = 16;
   header.channels = 1;
-  return encode_png(rows, header);
+  return encode_png(rows, header, note);
 }
 
 }  // namespace
@@ -161,6 +165,7 @@ KeyFramePicture make_keyframe_picture(const PictureSource& source) {
   std::vector<MovingRegion> regions =
       source.odds ? moving_cells(*source.odds) : std::vector<MovingRegion>();
   regions.insert(regions.end(), source.moving.begin(), source.moving.end());
+  for (const Box& box : source.people) regions.push_back({-1, Rule::box, box, std::nullopt});
   const std::vector<bool> moving = moving_mask(half_m, regions);
   std::vector<std::uint16_t> depth_mm(moving.size());
   std::vector<Bgr> colour(moving.size(), kNeutral);
@@ -178,12 +183,17 @@ KeyFramePicture make_keyframe_picture(const PictureSource& source) {
   picture.height_px = half_m.height();
   if (half_m.empty()) return picture;
   picture.depth_png =
-      encode_depth(RawDepthImage(half_m.width(), half_m.height(), std::move(depth_mm)));
+      encode_depth(RawDepthImage(half_m.width(), half_m.height(), std::move(depth_mm)),
+                   source.looked ? kPeopleNote : std::string_view());
   Result<std::string> jpeg =
       encode_jpeg(ColourImage(half_m.width(), half_m.height(), std::move(colour)), kJpegQuality);
   if (!jpeg) throw std::logic_error("make_keyframe_picture: " + jpeg.error().message);
   picture.colour_jpeg = std::move(*jpeg);
   return picture;
+}
+
+bool people_left_out(const KeyFramePicture& picture) {
+  return png_text(picture.depth_png) == kPeopleNote;
 }
 
 Result<OpenPicture> open_keyframe_picture(const KeyFramePicture& picture) {

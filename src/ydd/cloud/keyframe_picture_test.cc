@@ -94,6 +94,20 @@ TEST(KeyframePicture, OfAMaskNothingElseOfTheBoxGoes) {
   EXPECT_EQ(picture.depth_mm(31, 16), 3000);  // in the box
 }
 
+TEST(KeyframePicture, OfAPersonTheWholeBoxGoesAndThatIsNoted) {
+  PictureSource source = person_before_a_wall(DepthRange{1.2F, 1.8F});
+  EXPECT_FALSE(people_left_out(make_keyframe_picture(source)));
+  source.looked = true;  // and nobody was found, however it moves
+  EXPECT_TRUE(people_left_out(make_keyframe_picture(source)));
+  EXPECT_EQ(reopened(source).depth_mm(30, 15), 3000);
+  source.moving.clear();  // a person who stands still
+  source.people = {{60, 30, 100, 110}};
+  const OpenPicture picture = reopened(source);
+  EXPECT_EQ(traces_of_the_person(picture), (std::pair{0, 0}));
+  EXPECT_EQ(picture.depth_mm(30, 15), 0) << "in the box, behind the person";
+  EXPECT_EQ(picture.depth_mm(3, 3), 3000);
+}
+
 TEST(KeyframePicture, WithoutARangeTheWholeBoxGoes) {
   const OpenPicture picture = reopened(person_before_a_wall({}));
   EXPECT_EQ(traces_of_the_person(picture), (std::pair{0, 0}));

@@ -16,7 +16,7 @@ struct GridOptions {
   double min_height_m = 0.15;  ///< above the floor: what is lower can be driven over
   double max_height_m = 1.8;   ///< what is higher can be driven under
   double closed_gap_m = 0.10;  ///< between obstacles, that is none: nobody fits through
-  DenseCloudOptions cloud;
+  DenseCloudOptions cloud;     ///< how readings are gathered before they fall into cells
 };
 
 /// What is known of a cell.
@@ -24,17 +24,18 @@ enum class Cell : std::int8_t { unknown = -1, vacant = 0, occupied = 100 };  ///
 
 /// Where a robot can go: the floor in cells, seen from above.
 struct OccupancyGrid {
-  double resolution_m = 0.05;
-  int columns = 0, rows = 0;
+  double resolution_m = 0.05;                          ///< edge of a cell, metres
+  int columns = 0, rows = 0;                           ///< along x and along y of the grid's frame
   Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();  ///< lower corner of cell (0, 0), grid frame
   std::vector<Cell> cells;                             ///< row by row, by rising y
   SE3 T_grid_world;  ///< the grid's frame (z up, the floor at 0) from the map's world
 
+  /// Unchecked.
   Cell at(int column, int row) const {
     return cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
                  static_cast<std::size_t>(column)];
   }
-  bool empty() const { return cells.empty(); }
+  bool empty() const { return cells.empty(); }  ///< whether it has no cell at all
 };
 
 /// The floor below the static cloud of a map (find_floor).

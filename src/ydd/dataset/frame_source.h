@@ -24,6 +24,7 @@ struct PrefetchOptions {
 /// Thread: `next` is for one thread.
 class FrameSource {
  public:
+  /// Decoding starts at once.
   FrameSource(Sequence sequence, const Camera& camera, const PrefetchOptions& options = {});
 
   /// The next frame or why it cannot be read (the one after can then still be had); nothing after
@@ -33,7 +34,7 @@ class FrameSource {
   /// Frames before `i` are not wanted any more, nor decoded.
   void skip_to(std::size_t i) { prefetcher_->skip_to(i); }
 
-  const Sequence& sequence() const { return *sequence_; }
+  const Sequence& sequence() const { return *sequence_; }  ///< The one that it reads.
 
  private:
   std::shared_ptr<const Sequence> sequence_;

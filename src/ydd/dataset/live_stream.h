@@ -15,8 +15,8 @@ namespace ydd {
 
 /// A colour picture and the depth picture that belongs to it, as a camera gave them.
 struct LivePair {
-  Timestamp stamp;  ///< of the colour picture; of one stream strictly increasing
-  ColourImage colour;
+  Timestamp stamp;      ///< of the colour picture; of one stream strictly increasing
+  ColourImage colour;   ///< as it came, blue green red
   RawDepthImage depth;  ///< registered to colour, counts of the camera's depth scale
 };
 
@@ -45,7 +45,7 @@ class LiveStream {
   /// The next pair; nothing when none came within `wait`, or a signal asks to end.
   virtual std::optional<LivePair> next(std::chrono::milliseconds wait) = 0;
 
-  virtual LiveCounts counts() const = 0;
+  virtual LiveCounts counts() const = 0;  ///< What came and what was lost until now.
 };
 
 /// Frame number `index` of a stream: depth in metres within the limits of `camera`, moved back by

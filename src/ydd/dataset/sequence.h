@@ -38,8 +38,8 @@ struct SequenceOptions {
 
 /// A colour picture and the depth picture that belongs to it.
 struct SequenceEntry {
-  Timestamp stamp;  ///< of the colour picture
-  Timestamp depth_stamp;
+  Timestamp stamp;                      ///< of the colour picture
+  Timestamp depth_stamp;                ///< of the depth picture that goes with it
   std::size_t colour = 0, depth = 0;    ///< which of the recording's
   std::string colour_name, depth_name;  ///< as messages call them; files where they are
 };
@@ -51,19 +51,22 @@ class Sequence {
   /// are not opened, except to find what is "auto".
   static Result<Sequence> of(Recording recording, const SequenceOptions& options = {});
 
-  std::size_t size() const { return entries_.size(); }
+  std::size_t size() const { return entries_.size(); }  ///< Number of pairs of colour and depth.
+  /// Which pictures frame `i` is made of. @throws std::out_of_range.
   const SequenceEntry& entry(std::size_t i) const { return entries_.at(i); }
+  /// All of them, in the order of time.
   const std::vector<SequenceEntry>& entries() const { return entries_; }
 
   /// Whether this is a camera: then no frame is known beforehand nor can be read again, size() is
   /// 0, and `recording().live` gives what comes.
   bool is_live() const { return recording_.live != nullptr; }
-  const SequenceOptions& options() const { return options_; }
+  const SequenceOptions& options() const { return options_; }  ///< By which pairs were made.
 
   /// The folder or file that was opened.
   const std::filesystem::path& place() const { return recording_.place; }
-  std::string name() const { return recording_.name(); }
-  const Recording& recording() const { return recording_; }
+  std::string name() const { return recording_.name(); }     ///< Of the folder or file.
+  const Recording& recording() const { return recording_; }  ///< What it was made of.
+  /// True poses, where the recording has any.
   const std::optional<GroundTruth>& groundtruth() const { return recording_.groundtruth; }
 
   /// How pairing by time went; nothing where the recording said what belongs together.

@@ -16,8 +16,8 @@ namespace ydd {
 
 /// Where the camera was: camera frame (x right, y down, z forward) to world, metres.
 struct StampedPose {
-  Timestamp stamp;
-  SE3 T_world_camera;
+  Timestamp stamp;     ///< of the frame
+  SE3 T_world_camera;  ///< where the camera was
 };
 
 /// Poses in the order of time, strictly increasing.
@@ -26,12 +26,14 @@ using StampedPoses = std::vector<StampedPose>;
 /// Their stamps, in the same order.
 std::vector<Timestamp> stamps_of(std::span<const StampedPose> poses);
 
+/// How a trajectory is written to a file.
 enum class TrajectoryFormat {
   tum,    ///< "stamp tx ty tz qx qy qz qw", stamp in seconds
   kitti,  ///< first three rows of the 4x4 matrix, row by row; no stamp
   euroc,  ///< "stamp,tx,ty,tz,qw,qx,qy,qz", stamp in nanoseconds
 };
 
+/// From "tum", "kitti" or "euroc"; nothing: another name.
 std::optional<TrajectoryFormat> parse_trajectory_format(std::string_view name);
 
 /// Reads TUM format, trajectory or ground truth; comments and blank lines are skipped. Failure

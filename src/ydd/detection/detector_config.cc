@@ -2,6 +2,7 @@
 #include "ydd/detection/detector_config.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -57,6 +58,21 @@ Result<void> read_keep(NetworkConfig& network, const YAML::Node& node, const std
   return {};
 }
 
+Result<void> read_ranges(NetworkConfig& network, const YAML::Node& node, const std::string& file) {
+  const auto failure = [&](const YAML::Node& at) {
+    return Error{yaml_line(file, at) + ": 'ranges' must be [number above 0, ...]"};
+  };
+  if (!node.IsSequence()) return failure(node);
+  for (const YAML::Node& entry : node) {
+    float range = 0;
+    if (!YAML::convert<float>::decode(entry, range) || !std::isfinite(range) || range <= 0) {
+      return failure(entry);
+    }
+    network.inference.ranges.push_back(range);
+  }
+  return {};
+}
+
 /// Sets the scalars below `node`; nested maps become dotted keys.
 Result<void> set_scalars(OptionTable& table, const std::string& key, const YAML::Node& node,
                          const std::string& source_file) {
@@ -86,6 +102,8 @@ Result<void> read_network(NetworkConfig& network, OptionTable& table, const YAML
       read = read_thresholds(network, entry.second, file);
     } else if (key == "keep") {
       read = read_keep(network, entry.second, file);
+    } else if (key == "ranges") {
+      read = read_ranges(network, entry.second, file);
     } else {
       read =
           set_scalars(table, fmt::format("networks.{}.{}", network.name, key), entry.second, file);
@@ -183,7 +201,9 @@ std::string lists_to_yaml(const NetworkConfig& n) {
   };
   return list_line("rename", n.rename, map(n.rename)) +
          list_line("class_thresholds", n.class_thresholds, map(n.class_thresholds)) +
-         list_line("keep", n.keep, [&](YAML::Emitter& out) { out << n.keep; });
+         list_line("keep", n.keep, [&](YAML::Emitter& out) { out << n.keep; }) +
+         list_line("ranges", n.inference.ranges,
+                   [&](YAML::Emitter& out) { out << n.inference.ranges; });
 }
 
 }  // namespace

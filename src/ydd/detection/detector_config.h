@@ -22,6 +22,7 @@ enum class ChannelOrder { automatic, rgb, bgr };
 constexpr std::array<std::string_view, 3> choices_of(ChannelOrder) {
   return {"auto", "rgb", "bgr"};
 }
+/// What the network takes for a channel: as its kind was published, 0 to 1, or 0 to 255.
 enum class PixelValues { automatic, unit, byte };
 constexpr std::array<std::string_view, 3> choices_of(PixelValues) {
   return {"auto", "unit", "byte"};
@@ -31,10 +32,10 @@ constexpr std::array<std::string_view, 3> choices_of(PixelValues) {
 struct NetworkConfig {
   std::string name;  ///< key in `networks`
 
-  std::string model;          ///< ONNX file
-  std::string class_table;    ///< YAML file, key `classes`
-  std::string kind = "auto";  ///< of YoloKind, or auto
-  InferenceOptions inference;
+  std::string model;           ///< ONNX file
+  std::string class_table;     ///< YAML file, key `classes`
+  std::string kind = "auto";   ///< of YoloKind, or auto
+  InferenceOptions inference;  ///< which library runs it, on what
   int input_width_px = 640, input_height_px = 480;
   ChannelOrder channel_order = ChannelOrder::automatic;
   PixelValues values = PixelValues::automatic;
@@ -57,14 +58,15 @@ struct NetworkConfig {
 ///         rename: {tv: monitor}
 ///         class_thresholds: {person: 0.25}
 ///         keep: [person, chair]
+///         ranges: [1, 22.7, 17.6]        # for precision int8, see InferenceOptions
 ///     merge: {hand_reach_heads: 4}
 ///
 /// Paths are relative to the file; a model is also looked for in the folder `models` and in the
 /// folder that the environment variable YDD_MODELS names.
 struct DetectorConfig {
-  std::filesystem::path file;
+  std::filesystem::path file;  ///< where it was read from
   std::string models;
-  std::vector<NetworkConfig> networks;
+  std::vector<NetworkConfig> networks;  ///< asked in this order, at least one
   MergeOptions merge;
 
   void describe(OptionTable& table);

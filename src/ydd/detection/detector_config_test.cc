@@ -105,6 +105,7 @@ TEST_F(DetectorFile, ReadsEveryPartAndWritesItBack) {
       "    nms_iou: 0.6\n"
       "    rename: {tv: monitor}\n"
       "    class_thresholds: {person: 0.15}\n"
+      "    ranges: [1, 22.7]\n"
       "    keep: [person, tv]\n"
       "  b: {model: b.onnx, classes: b.yaml}\n"
       "merge: {hand_reach_heads: 2.5}\n";
@@ -129,6 +130,7 @@ TEST_F(DetectorFile, ReadsEveryPartAndWritesItBack) {
     EXPECT_EQ(a.nms_iou, 0.6);
     EXPECT_EQ(a.rename.at("tv"), "monitor");
     EXPECT_EQ(a.class_thresholds.at("person"), 0.15);
+    EXPECT_EQ(a.inference.ranges, (std::vector<float>{1.0F, 22.7F}));
     EXPECT_THAT(a.keep, ElementsAre("person", "tv"));
     EXPECT_EQ(config->networks[1].model, "b.onnx");
     EXPECT_EQ(config->networks[1].input_width_px, 640);
@@ -166,6 +168,10 @@ TEST_F(DetectorFile, MistakesInTheFileAreNamedWithTheirLine) {
   EXPECT_THAT(failure_of(kNetwork + "    rename: tv\n"), HasSubstr(":6: 'rename' must be"));
   EXPECT_THAT(failure_of(kNetwork + "    class_thresholds: {person: 7}\n"),
               HasSubstr(":6: 'class_thresholds' must be"));
+  for (const char* ranges : {"7", "[1, 0]", "[.nan]", "[one]", "{a: 1}"}) {
+    EXPECT_THAT(failure_of(kNetwork + "    ranges: " + ranges + "\n"),
+                HasSubstr(":6: 'ranges' must be"));
+  }
   EXPECT_THAT(failure_of(kNetwork + "    keep: person\n"), HasSubstr(":6: 'keep' must be"));
   EXPECT_THAT(failure_of(kNetwork + "merge: {x: 1}\n"), HasSubstr(":6: unknown option 'merge.x'"));
   EXPECT_THAT(failure_of("networks: {a: ["), HasSubstr("not valid YAML"));

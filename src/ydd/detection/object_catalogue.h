@@ -17,7 +17,7 @@ enum class Category { dynamic, potentially_dynamic, stationary };
 
 /// How a class moves and how deep it is: the eight kinds of the method (docs/method.md, section 2).
 enum class Subcategory { person, head, hand, automatic, small, medium, large, stationary };
-inline constexpr int kSubcategoryCount = 8;
+inline constexpr int kSubcategoryCount = 8;  ///< how many values Subcategory has
 
 /// person, head, hand, automatic: dynamic; small, medium, large: potentially dynamic.
 Category category_of(Subcategory subcategory);
@@ -30,26 +30,27 @@ std::optional<Subcategory> parse_subcategory(std::string_view text);
 
 /// Extents along the optical axis, metres.
 struct DepthExtents {
-  double head_m = 0.20;
-  double hand_m = 0.18;
+  double head_m = 0.20;       ///< of a head
+  double hand_m = 0.18;       ///< of a hand
   double half_hand_m = 0.50;  ///< head centre to an outstretched elbow
-  double automatic_m = 0.70;
-  double small_m = 0.20;
-  double medium_m = 0.45;
-  double large_m = 0.70;
+  double automatic_m = 0.70;  ///< of what moves by itself, where its class has none of its own
+  double small_m = 0.20;      ///< of a cup, a bottle, a book
+  double medium_m = 0.45;     ///< of a keyboard, a laptop, a backpack
+  double large_m = 0.70;      ///< of a chair, a screen, a suitcase
   friend bool operator==(const DepthExtents&, const DepthExtents&) = default;
 };
 
 /// Order of class names in which neither case nor '_' and '-' for a blank make a difference:
 /// "Cell_Phone" is "cell phone".
 struct ClassNameLess {
-  using is_transparent = void;
-  bool operator()(std::string_view a, std::string_view b) const;
+  /// Names are found without making strings of them.
+  using is_transparent = void;  // NOLINT(readability-identifier-naming): the standard's
+  bool operator()(std::string_view a, std::string_view b) const;  ///< Whether `a` comes before `b`.
 };
 
 /// What the catalogue knows of one class.
 struct ObjectClass {
-  Subcategory subcategory = Subcategory::stationary;
+  Subcategory subcategory = Subcategory::stationary;  ///< how it moves
   std::optional<double> extent_m;  ///< of this class; none: that of its subcategory
   friend bool operator==(const ObjectClass&, const ObjectClass&) = default;
 };
@@ -68,6 +69,7 @@ struct ObjectClass {
 class ObjectCatalogue {
  public:
   ObjectCatalogue() = default;
+  /// Of a table of one's own.
   ObjectCatalogue(const DepthExtents& extents,
                   std::map<std::string, ObjectClass, ClassNameLess> classes)
       : extents_(extents), classes_(std::move(classes)) {}
@@ -83,13 +85,17 @@ class ObjectCatalogue {
   /// The same from text; `source` starts the message of a failure.
   static Result<ObjectCatalogue> parse(const std::string& text, const std::string& source);
 
+  /// Whether the class is in the table.
   bool knows(std::string_view class_name) const { return classes_.contains(class_name); }
+  /// How a class moves; one that it does not know is `stationary`.
   Subcategory subcategory_of(std::string_view class_name) const;
+  /// Whether its subcategory is `person`.
   bool is_person(std::string_view class_name) const {
     return subcategory_of(class_name) == Subcategory::person;
   }
   /// Extent along the optical axis; of a person `2 * half_hand`, of a static class 0.
   double extent_m(std::string_view class_name) const;
+  /// By subcategory, where a class has none of its own.
   const DepthExtents& extents() const { return extents_; }
   /// By class name.
   const std::map<std::string, ObjectClass, ClassNameLess>& classes() const { return classes_; }

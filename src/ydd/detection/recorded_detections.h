@@ -20,7 +20,7 @@ namespace ydd {
 /// A detection with what only a simulator or an annotator knows about it. The extras are written
 /// when they are set and kept when they are read; a detector ignores them.
 struct RecordedDetection {
-  Detection detection;
+  Detection detection;                         ///< class, box and score
   std::string name = {};                       ///< of the instance: "personA"; empty: unknown
   std::optional<std::int64_t> id = {};         ///< of the instance, as in an instance mask
   std::optional<bool> dynamic = {};            ///< moves in this frame
@@ -33,7 +33,7 @@ struct RecordedFrame {
   Timestamp stamp;                    ///< of the colour image
   std::optional<std::int64_t> index;  ///< position in the sequence, key `frame`
   std::string file;                   ///< colour image, relative to the sequence; may be empty
-  std::vector<RecordedDetection> detections;
+  std::vector<RecordedDetection> detections;  ///< of one picture; may be none
 };
 
 /// One line of the file format, JSON without a line break:

@@ -12,8 +12,9 @@ namespace ydd {
 /// An interval of depths along the optical axis, both ends included. A depth of 0 (no reading) is
 /// in no range.
 struct DepthRange {
-  float min_m = 0;
-  float max_m = 0;
+  float min_m = 0;  ///< nearest depth in it, metres
+  float max_m = 0;  ///< farthest depth in it, metres
+  /// Never true of 0, no reading.
   bool contains(float depth_m) const {
     return depth_m > 0.0F && depth_m >= min_m && depth_m <= max_m;
   }
@@ -31,10 +32,10 @@ DepthRange object_range(float depth_m, double extent_m, double front_allowance);
 
 /// The measured depths of a body's parts; none: not detected, or without any reading.
 struct BodyDepths {
-  std::optional<float> person_m;
-  std::optional<float> head_m;
-  std::optional<float> nearest_hand_m;
-  std::optional<float> farthest_hand_m;
+  std::optional<float> person_m;         ///< of the body, metres
+  std::optional<float> head_m;           ///< of the head that was matched to it, metres
+  std::optional<float> nearest_hand_m;   ///< of its hand closer to the camera, metres
+  std::optional<float> farthest_hand_m;  ///< of its hand farther from the camera, metres
 };
 
 /// `[Dhead + head/2 - half_hand, Dhead + head/2 + half_hand]` (article, equation 4).

@@ -30,22 +30,23 @@ enum class Rule : std::uint8_t {
   connected,          ///< beyond the article: on what sticks out of a body's box
   bridged,            ///< beyond the article: on a person that was missed in this frame
 };
-inline constexpr int kRuleCount = 16;
-std::string_view to_string(Rule rule);
+inline constexpr int kRuleCount = 16;   ///< how many values Rule has
+std::string_view to_string(Rule rule);  ///< The rule's name in files and on pictures: "body_depth".
 
 /// A feature point that no later stage sees, kept for pictures and counters.
 struct RejectedPoint {
-  Keypoint keypoint;
-  float depth_m = 0;  ///< 0: no reading
-  Rule rule = Rule::box;
+  Keypoint keypoint;      ///< where it is in the image, without its descriptor
+  float depth_m = 0;      ///< 0: no reading
+  Rule rule = Rule::box;  ///< by which it went; never `kept`
 };
 
 /// The feature points of a frame, parted. The tracker and the map are given what is kept and
 /// nothing else, so that nothing downstream can use a rejected point by mistake.
 struct FilteredFeatures {
   std::shared_ptr<const Features> kept = std::make_shared<const Features>();  ///< judged static
-  std::vector<RejectedPoint> rejected;
+  std::vector<RejectedPoint> rejected;  ///< judged to lie on something that moves
 
+  /// How many points the extractor found: kept and rejected.
   std::size_t extracted() const { return kept->size() + rejected.size(); }
 };
 

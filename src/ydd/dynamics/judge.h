@@ -23,8 +23,9 @@ namespace ydd {
 /// What was found out about one detected object that is not static, for pictures and tests.
 struct ObjectJudgement {
   int detection = -1;  ///< index into the detections
+  /// What the object catalogue makes of its class.
   Subcategory subcategory = Subcategory::stationary;
-  Box box;
+  Box box;                          ///< pixels of the image as it was taken
   std::optional<float> depth_m;     ///< approximate minimum depth; none: failed
   Rule rule = Rule::kept;           ///< for points on it; kept: it is static, or judged as a part
   std::optional<DepthRange> range;  ///< of the points that go; none: all, or none when `kept`
@@ -37,12 +38,13 @@ struct ObjectJudgement {
 
 /// A frame's points and objects, judged.
 struct Judgement {
+  /// Whether anything was judged at all: a static frame keeps every point.
   bool dynamic_frame = false;
-  std::vector<Rule> rules;  ///< one for each keypoint
-  std::vector<ObjectJudgement> objects;
-  std::vector<MovingRegion> regions;  ///< all that points were judged by
+  std::vector<Rule> rules;               ///< one for each keypoint
+  std::vector<ObjectJudgement> objects;  ///< the detections that may move
+  std::vector<MovingRegion> regions;     ///< all that points were judged by
 
-  int rejected() const;
+  int rejected() const;  ///< How many keypoints go: those whose rule is not `kept`.
 };
 
 /// Judges one frame by itself, as a dynamic one: which points lie on something that moves. Boxes
@@ -61,6 +63,7 @@ FilteredFeatures filter_features(const Features& features, const Judgement& judg
 /// Thread: one call at a time.
 class DynamicsJudge {
  public:
+  /// Starts with nothing seen: the first frame is a dynamic one.
   DynamicsJudge(const DynamicsOptions& options, ObjectCatalogue catalogue);
 
   /// Judges the next frame. In a static frame every point is kept. Variant `evidence` asks the odds
@@ -74,8 +77,8 @@ class DynamicsJudge {
   /// What is rejected from the next frame on; persons carried over so far are forgotten.
   void set_variant(Variant variant);
 
-  const DynamicsOptions& options() const { return options_; }
-  const ObjectCatalogue& catalogue() const { return catalogue_; }
+  const DynamicsOptions& options() const { return options_; }      ///< With the variant of now.
+  const ObjectCatalogue& catalogue() const { return catalogue_; }  ///< By which classes are judged.
 
  private:
   /// Regions of all persons of a frame, those included that were missed in it.

@@ -14,12 +14,13 @@ namespace ydd {
 
 /// What the rules look at: one frame's objects and what was measured of them.
 struct Scene {
-  std::vector<SceneObject> objects;
-  std::vector<Body> bodies;
-  DepthExtents extents;
-  DepthImage depth_m;
+  std::vector<SceneObject> objects;  ///< the detections that are not static, with their depths
+  std::vector<Body> bodies;          ///< persons with the head and hands that were matched to them
+  DepthExtents extents;              ///< of the object catalogue, metres
+  DepthImage depth_m;                ///< of the frame, metres; 0: no reading
 };
 
+/// Measures depths and matches heads and hands to persons: sections 3 and 4 of docs/method.md.
 Scene make_scene(const Detections& detections, const ObjectCatalogue& catalogue,
                  const DepthImage& depth_m, const DynamicsOptions& options);
 

@@ -14,9 +14,9 @@ namespace ydd {
 
 /// A box in which points at some depths, or those on a mask, are on something that moves.
 struct MovingRegion {
-  int object = -1;  ///< index into the scene objects
-  Rule rule = Rule::kept;
-  Box box;
+  int object = -1;                  ///< index into the scene objects
+  Rule rule = Rule::kept;           ///< that rejects a point in it
+  Box box;                          ///< pixels of the image as it was taken
   std::optional<DepthRange> range;  ///< none: full rejection, every point in the box goes
   std::int64_t track = -1;          ///< of the person it belongs to; -1: of none
   GreyImage mask = {};              ///< not empty: tells itself what is in it, whatever the depth
@@ -27,9 +27,9 @@ struct MovingRegion {
 
 /// An image position to be judged and its depth; 0: no reading.
 struct PointSample {
-  float x_px = 0;
-  float y_px = 0;
-  float depth_m = 0;
+  float x_px = 0;     ///< column in the image as it was taken
+  float y_px = 0;     ///< row likewise
+  float depth_m = 0;  ///< along the optical axis, metres; 0: no reading
 };
 
 /// The point is in the box, and on the mask; without one, the region rejects all of it or the depth
@@ -45,6 +45,7 @@ bool at_edge(const MovingRegion& region, const PointSample& point, const DepthIm
 /// The next readings from a point outward: right, lower right, below, lower left, and opposite to
 /// these left, upper left, above, upper right; 0: none within reach.
 using Surroundings = std::array<float, 8>;
+/// Of a depth image in metres, up to `reach_px` away; see Surroundings.
 Surroundings surroundings_of(const PointSample& point, const DepthImage& depth_m, int reach_px);
 
 /// The point lies in the region's box without a reading, and on at least `axes` of the four axes

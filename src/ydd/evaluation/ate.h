@@ -13,8 +13,8 @@ namespace ydd {
 
 /// How the absolute error is computed.
 struct AteOptions {
-  double max_difference_s = 0.02;  ///< poses farther apart in time are no pair
-  AlignmentScale scale = AlignmentScale::fixed;
+  double max_difference_s = 0.02;                ///< poses farther apart in time are no pair
+  AlignmentScale scale = AlignmentScale::fixed;  ///< whether the estimate may be scaled to fit
 };
 
 /// Absolute trajectory error: distances that remain after the best alignment of the whole
@@ -23,7 +23,7 @@ struct AteResult {
   std::vector<IndexPair> pairs;  ///< a: ground truth, b: estimate
   Alignment alignment;           ///< estimate to ground truth
   std::vector<double> errors_m;  ///< one per pair
-  ErrorStatistics statistics_m;
+  ErrorStatistics statistics_m;  ///< of errors_m, metres
 };
 
 /// Fewer than three pairs are an error, because they fix no alignment; its message names no file.

@@ -9,12 +9,13 @@
 
 namespace ydd {
 
+/// In what the time between the two poses of a pair is measured.
 enum class RpeUnit { seconds, frames };
 
 /// How the relative error is computed.
 struct RpeOptions {
-  double delta = 1.0;  ///< in `unit`; a whole number of frames
-  RpeUnit unit = RpeUnit::seconds;
+  double delta = 1.0;               ///< in `unit`; a whole number of frames
+  RpeUnit unit = RpeUnit::seconds;  ///< of `delta`
   /// A pose and the truth nearest in time are no pair when they are farther apart.
   double max_difference_s = 0.02;
   /// The benchmark's own rule instead: twice the median spacing of the truth, which takes the
@@ -27,9 +28,9 @@ struct RpeOptions {
 struct RpeResult {
   std::vector<std::size_t> first_poses;      ///< of each pair, the earlier one of the estimate
   std::vector<double> translation_errors_m;  ///< one per pair of frames
-  std::vector<double> rotation_errors_deg;
-  ErrorStatistics translation_m;
-  ErrorStatistics rotation_deg;
+  std::vector<double> rotation_errors_deg;   ///< of the same pairs, degrees
+  ErrorStatistics translation_m;             ///< of translation_errors_m, metres over one delta
+  ErrorStatistics rotation_deg;              ///< of rotation_errors_deg, degrees over one delta
 };
 
 /// Each estimated pose is paired with the one nearest to `delta` later (pairs that would end on the

@@ -13,13 +13,14 @@ namespace ydd {
 
 /// For each cell of a frame the odds that what is seen there moves. Positive: more likely than not.
 struct MotionOdds {
-  CoarseDepth depth;
+  CoarseDepth depth;                ///< the frame's depth by cells of 8 px
   std::vector<float> log_odds;      ///< natural logarithm; 0: nothing known
   std::vector<float> prior;         ///< by the class of what was detected there; empty: nothing was
   std::vector<std::uint8_t> moves;  ///< the verdict, with hysteresis
 
   std::vector<float> calm_s;  ///< for how long nothing has spoken for motion
 
+  /// Whether nothing was looked at: no frame, or none with depth.
   bool empty() const { return log_odds.empty(); }
 
   /// The cell around a pixel of the image as it was taken whose surface a reading of `depth_m` lies

@@ -26,7 +26,7 @@ struct OrbOptions {
 /// several threads.
 class OrbExtractor {
  public:
-  explicit OrbExtractor(const OrbOptions& options);
+  explicit OrbExtractor(const OrbOptions& options);  ///< Buffers are taken with the first image.
   ~OrbExtractor();
   OrbExtractor(OrbExtractor&&) noexcept;
   OrbExtractor& operator=(OrbExtractor&&) noexcept;

@@ -19,11 +19,13 @@ struct Alignment {
   /// distances are as small as can be, but the rotation is one choice among many.
   bool unique = false;
 
+  /// A point of the source, in the frame of the target.
   Eigen::Vector3d operator*(const Eigen::Vector3d& p_source) const {
     return scale * (T_target_source.rotation() * p_source) + T_target_source.translation();
   }
 };
 
+/// What an alignment may change besides position and rotation.
 enum class AlignmentScale {
   fixed,      ///< SE(3): metric maps (RGB-D)
   estimated,  ///< Sim(3)

@@ -35,6 +35,7 @@ struct Camera {
 
   /// fx * baseline, pixel metres.
   double bf() const { return fx_px * baseline_m; }
+  /// Whether its lens bends lines: any coefficient is not 0.
   bool has_distortion() const { return k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0 || k3 != 0; }
 
   /// Ideal (undistorted) pixel of a point in the camera frame; z must be > 0.
@@ -53,9 +54,11 @@ struct Camera {
   /// the image for the lenses of RGB-D cameras.
   Eigen::Vector2d undistort(const Eigen::Vector2d& image_px) const;
 
+  /// Whether a pixel position lies on the image.
   bool contains(const Eigen::Vector2d& px) const {
     return px.x() >= 0 && px.y() >= 0 && px.x() < width_px && px.y() < height_px;
   }
+  /// Whether a depth in metres lies within the camera's limits; 0, no reading, does not.
   bool is_valid_depth(double depth_m) const {
     return depth_m >= min_depth_m && depth_m <= max_depth_m;
   }

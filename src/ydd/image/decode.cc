@@ -2,7 +2,9 @@
 #include "ydd/image/decode.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <string_view>
 #include <vector>
 
@@ -179,10 +181,17 @@ DepthImage to_metres(const RawDepthImage& raw, const Camera& camera) {
 
 DepthImage within_limits(const DepthImage& depth_m, const Camera& camera) {
   const std::size_t n = std::size_t(depth_m.width()) * depth_m.height();
+  const float* const pixels = depth_m.data();
+  const auto is_reading = [&](float z) {
+    return std::isfinite(z) && z > 0 && camera.is_valid_depth(z);
+  };
+  const bool stays = std::all_of(pixels, pixels + n, [&](float z) {
+    return is_reading(z) || std::bit_cast<std::uint32_t>(z) == 0;
+  });
+  if (stays) return depth_m;  // shared
   std::vector<float> out(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const float z = depth_m.data()[i];
-    if (std::isfinite(z) && z > 0 && camera.is_valid_depth(z)) out[i] = z;
+    if (is_reading(pixels[i])) out[i] = pixels[i];
   }
   return {depth_m.width(), depth_m.height(), std::move(out)};
 }

@@ -17,9 +17,9 @@ namespace ydd {
 /// A file in memory of which the header is read and found plausible, and no pixel yet: its size is
 /// known before memory is taken for it.
 struct ImageFile {
-  std::filesystem::path path;
-  std::string bytes;
-  ImageHeader header;
+  std::filesystem::path path;  ///< where it is, for messages
+  std::string bytes;           ///< all of the file
+  ImageHeader header;          ///< its kind, size and depth of colour
 };
 
 /// Any PNG, or a JPEG with 8 bits a channel.
@@ -30,6 +30,7 @@ Result<ImageFile> open_depth(const std::filesystem::path& file);
 
 /// The same of pictures that are in memory already; `name` is what errors call them.
 Result<ImageFile> open_colour(const std::filesystem::path& name, std::string bytes);
+/// A PNG with one grey channel of 16 bits.
 Result<ImageFile> open_depth(const std::filesystem::path& name, std::string bytes);
 
 /// As BGR; grey files get three equal channels, of 16 bits the higher 8 are kept, alpha and
@@ -55,7 +56,8 @@ Result<DepthImage> load_depth(const std::filesystem::path& file, const Camera& c
 /// Counts to metres; readings outside the camera's limits become 0.
 DepthImage to_metres(const RawDepthImage& raw, const Camera& camera);
 
-/// Metres with the camera's limits: what is outside of them or not finite becomes 0.
+/// Metres with the camera's limits: what is outside of them or not finite becomes 0. Shares the
+/// pixels where nothing is.
 DepthImage within_limits(const DepthImage& depth_m, const Camera& camera);
 
 /// Metres to the nearest count; what a count cannot hold (over 65535, negative, not finite)

@@ -13,7 +13,9 @@ namespace ydd {
 
 /// Without loss; depth has 16 bits.
 Result<void> write_png(const std::filesystem::path& file, const ColourImage& image);
+/// One channel of 8 bits; as the others, the file is there whole or not at all.
 Result<void> write_png(const std::filesystem::path& file, const GreyImage& image);
+/// Counts of depth, 16 bits.
 Result<void> write_png(const std::filesystem::path& file, const RawDepthImage& image);
 
 /// `quality` from 1 to 100, chroma at half resolution.

@@ -34,12 +34,15 @@ class Image {
     }
   }
 
-  bool empty() const { return width_ == 0 || height_ == 0; }
-  int width() const { return width_; }
-  int height() const { return height_; }
+  bool empty() const { return width_ == 0 || height_ == 0; }  ///< Whether it has no pixel.
+  int width() const { return width_; }                        ///< Pixels in a row.
+  int height() const { return height_; }                      ///< Number of rows.
+  /// Whether a whole pixel position lies on it.
   bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
 
+  /// The first pixel; rows follow without gaps. Null when it is empty.
   const T* data() const { return pixels_.get(); }
+  /// The first pixel of row `y`. Unchecked.
   const T* row(int y) const { return data() + static_cast<std::size_t>(y) * width_; }
   /// Unchecked.
   const T& operator()(int x, int y) const { return row(y)[x]; }
@@ -50,9 +53,9 @@ class Image {
   std::shared_ptr<const T> pixels_;  ///< the first one
 };
 
-using Bgr = std::array<std::uint8_t, 3>;
-using GreyImage = Image<std::uint8_t>;
-using ColourImage = Image<Bgr>;
+using Bgr = std::array<std::uint8_t, 3>;  ///< Blue, green, red.
+using GreyImage = Image<std::uint8_t>;    ///< Brightness, 0 to 255.
+using ColourImage = Image<Bgr>;           ///< As OpenCV orders it: blue, green, red.
 /// Depth along the optical axis in metres; 0 is *no reading*.
 using DepthImage = Image<float>;
 /// Depth as stored in a file: counts of 1 / Camera::depth_scale metres, 0 is *no reading*.

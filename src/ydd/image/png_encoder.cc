@@ -3,6 +3,7 @@
 
 #include <libdeflate.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -93,7 +94,7 @@ std::string deflate(const std::vector<std::uint8_t>& data) {
 
 }  // namespace
 
-std::string encode_png(const PngRows& rows, const ImageHeader& header) {
+std::string encode_png(const PngRows& rows, const ImageHeader& header, std::string_view text) {
   const auto bytes_per_sample = static_cast<std::size_t>(header.bits_per_channel / 8);
   const std::size_t pixel_size = bytes_per_sample * static_cast<std::size_t>(header.channels);
   constexpr char kGrey = 0;
@@ -104,8 +105,19 @@ std::string encode_png(const PngRows& rows, const ImageHeader& header) {
   head += header.channels == 3 ? kRgb : kGrey;
   head += "\0\0\0"sv;  // deflate, adaptive filters, no interlacing
   return std::string("\x89PNG\r\n\x1a\n") + chunk("IHDR", head) +
+         (text.empty() ? "" : chunk("tEXt", text)) +
          chunk("IDAT", deflate(filter_rows(rows, header.height_px, pixel_size))) +
          chunk("IEND", "");
+}
+
+std::string_view png_text(std::string_view png) {
+  constexpr std::size_t kAfterHead = 8 + 12 + 13;  // signature, and the chunk IHDR
+  if (png.size() < kAfterHead + 8 || png.substr(kAfterHead + 4, 4) != "tEXt") return {};
+  std::uint32_t size = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    size = size << 8U | static_cast<std::uint8_t>(png[kAfterHead + i]);
+  }
+  return png.substr(kAfterHead + 8, std::min<std::size_t>(size, png.size() - kAfterHead - 8));
 }
 
 }  // namespace ydd

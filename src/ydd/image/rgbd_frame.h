@@ -13,9 +13,9 @@ namespace ydd {
 struct RgbdFrame {
   std::int64_t index = 0;  ///< position in the sequence, counts skipped frames too
   Timestamp stamp;         ///< of the colour image
-  GreyImage grey;
-  ColourImage colour;
-  DepthImage depth_m;  ///< readings outside the camera's limits are already 0
+  GreyImage grey;          ///< brightness of colour, what feature points are found in
+  ColourImage colour;      ///< for detectors, pictures and the colours of clouds
+  DepthImage depth_m;      ///< readings outside the camera's limits are already 0
 };
 
 }  // namespace ydd

@@ -24,7 +24,9 @@ SessionResult make_quickest_session(std::string_view onnx, const InferenceOption
   SessionResult quick = make_onednn_session(onnx, options);
   if (quick) return quick;
   log::debug("oneDNN does not take this network: {}", quick.error().message);
-  if (options.precision == Precision::bfloat16) return quick.error();
+  if (options.precision == Precision::bfloat16 || options.precision == Precision::int8) {
+    return quick.error();
+  }
   if (!options.onnxruntime.empty()) return make_onnxruntime_session(onnx, options);
   return make_opencv_session(onnx, options);
 }
@@ -198,7 +200,7 @@ void InferenceOptions::describe(OptionTable& table) {
             "none the CPU, with a warning; auto: the same without one");
   table.add("precision", precision,
             "auto: bfloat16 where the processor multiplies matrices of it (AMX), else float32; "
-            "bfloat16 needs backend onednn, float16 device cuda");
+            "bfloat16 and int8 need backend onednn, int8 also `ranges`, float16 device cuda");
   table.add("threads", threads, {1, 64}, "",
             "processor cores for one picture; tracking needs the others");
   table.add("onnxruntime", onnxruntime, {},

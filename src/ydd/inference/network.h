@@ -43,9 +43,9 @@ constexpr std::array<std::string_view, 4> choices_of(Backend) {
 }
 enum class Device { automatic, cpu, cuda };
 constexpr std::array<std::string_view, 3> choices_of(Device) { return {"auto", "cpu", "cuda"}; }
-enum class Precision { automatic, float32, bfloat16, float16 };
-constexpr std::array<std::string_view, 4> choices_of(Precision) {
-  return {"auto", "float32", "bfloat16", "float16"};
+enum class Precision { automatic, float32, bfloat16, float16, int8 };
+constexpr std::array<std::string_view, 5> choices_of(Precision) {
+  return {"auto", "float32", "bfloat16", "float16", "int8"};
 }
 
 /// By what a network is run; describe() has the sentences.
@@ -55,6 +55,9 @@ struct InferenceOptions {
   Precision precision = Precision::automatic;
   int threads = 1;
   std::string onnxruntime{};  ///< shared library
+  /// For int8: the largest magnitude that the input of each convolution takes on ordinary pictures,
+  /// in the order of the file. No option of the table, as it is a list: its reader sets it.
+  std::vector<float> ranges{};
   /// The size of picture that it will get, where the file leaves it open; 0: not known yet.
   int input_width_px = 0, input_height_px = 0;
   void describe(OptionTable& table);

@@ -36,9 +36,7 @@ float alpha_of(const Layer& layer) {
 
 dnnl::primitive_attr attributes_of(const Layer& layer, bool activates, bool adds) {
   dnnl::post_ops after_it;
-  if (activates && layer.activation != Activation::none) {
-    onednn::append_activation(after_it, algorithm_of(layer.activation), alpha_of(layer));
-  }
+  if (activates && layer.activation != Activation::none) append_activation(after_it, layer, 1.0F);
   if (adds && layer.residual) after_it.append_sum(1.0F);
   dnnl::primitive_attr attributes;
   attributes.set_post_ops(after_it);
@@ -67,6 +65,10 @@ std::optional<Convolution::primitive_desc> ask(const ConvolutionProblem& problem
 }
 
 }  // namespace
+
+void append_activation(dnnl::post_ops& after_it, const Layer& layer, float scale) {
+  onednn::append_activation(after_it, algorithm_of(layer.activation), alpha_of(layer), scale);
+}
 
 memory::dims dims_of(const std::array<int, 2>& pair, int less) {
   return {pair[0] - less, pair[1] - less};

@@ -38,6 +38,9 @@ struct ConvolutionKernel {
 /// @throws dnnl::error, std::runtime_error where there is none.
 ConvolutionKernel choose_convolution(const ConvolutionProblem& problem, const dnnl::engine& engine);
 
+/// The activation of `layer`, times `scale`, after what `after_it` already does.
+void append_activation(dnnl::post_ops& after_it, const Layer& layer, float scale);
+
 dnnl::eltwise_forward::primitive_desc choose_activation(const Layer& layer,
                                                         const dnnl::memory::desc& map,
                                                         const dnnl::engine& engine);

@@ -14,8 +14,10 @@
 #include <dnnl.hpp>
 
 #include "ydd/inference/layer_shapes.h"
+#include "ydd/inference/onednn_int8.h"
 #include "ydd/inference/onednn_kernels.h"
 #include "ydd/inference/onednn_versions.h"
+#include "ydd/inference/quantisation.h"
 
 namespace ydd {
 namespace {
@@ -36,6 +38,11 @@ class OpenMpThreads {
  private:
   int before_;
 };
+
+Type type_of(MapNumbers numbers) {
+  if (numbers == MapNumbers::int8) return Type::s8;
+  return numbers == MapNumbers::bfloat16 ? Type::bf16 : Type::f32;
+}
 
 memory::dims dims_of(const MapShape& s) { return {1, s.channels, s.rows, s.columns}; }
 
@@ -71,13 +78,14 @@ const std::byte* bytes_of(const memory& m) {
 }  // namespace
 
 struct OnednnPlan::Parts {
-  Parts(const LayerGraph& graph, const std::vector<int>& input_shape, bool bfloat16)
-      : narrow(bfloat16 ? Type::bf16 : Type::f32) {
+  Parts(const LayerGraph& graph, const std::vector<int>& input_shape, const PlanOptions& options)
+      : narrow(type_of(options.numbers)) {
     if (input_shape.size() != 4 || input_shape[0] != 1) {
       throw std::runtime_error("the network takes one picture at a time");
     }
     shapes = map_shapes(graph, {input_shape[1], input_shape[2], input_shape[3]});
     wide = wide_values(graph);
+    if (options.numbers == MapNumbers::int8) make_value_steps(graph, options.ranges);
     make_values(graph);
     for (const Layer& layer : graph.layers) add_step(layer);
     for (const int output : graph.outputs) add_output(output);
@@ -94,6 +102,12 @@ struct OnednnPlan::Parts {
     return {dims_of(shape(value)), type(value), memory::format_tag::nhwc};
   }
   memory& at(int value) { return values[static_cast<std::size_t>(value)]; }
+
+  void make_value_steps(const LayerGraph& graph, const std::vector<float>& ranges) {
+    Result<std::vector<float>> found = value_steps(graph, wide, ranges);
+    if (!found) throw std::runtime_error(found.error().message);
+    map_steps = std::move(*found);
+  }
 
   void make_values(const LayerGraph& graph) {
     std::vector<std::size_t> bytes;
@@ -115,7 +129,7 @@ struct OnednnPlan::Parts {
   void add_step(const Layer& layer) {
     switch (layer.kind) {
       case LayerKind::convolution:
-        return add_convolution(layer);
+        return narrow == Type::s8 ? add_int8_convolution(layer) : add_convolution(layer);
       case LayerKind::max_pool:
         return add_pool(layer);
       case LayerKind::activation:
@@ -226,6 +240,19 @@ struct OnednnPlan::Parts {
     combine(dnnl::algorithm::binary_add, at(*layer.residual), result, at(layer.output));
   }
 
+  void add_int8_convolution(const Layer& layer) {
+    const auto step = [&](int value) { return map_steps[static_cast<std::size_t>(value)]; };
+    const int input = layer.inputs[0];
+    const Int8Convolution chosen = make_int8_convolution(
+        {layer, description(input), description(layer.output)},
+        {step(input), step(layer.output), layer.residual ? step(*layer.residual) : 0.0F}, engine);
+    add_primitive(dnnl::convolution_forward(chosen.kernel), chosen.kernel.impl_info_str(),
+                  {{DNNL_ARG_SRC, at(input)},
+                   {DNNL_ARG_WEIGHTS, chosen.weights},
+                   {DNNL_ARG_BIAS, chosen.bias},
+                   {DNNL_ARG_DST, at(layer.output)}});
+  }
+
   void add_pool(const Layer& layer) {
     const int input = layer.inputs[0];
     const auto chosen = without_reference(
@@ -301,7 +328,10 @@ struct OnednnPlan::Parts {
     // oneDNN only reads it, but a memory cannot say so.
     memory from({dims_of(shape(0)), Type::f32, memory::format_tag::nchw}, engine,
                 const_cast<float*>(input.values.data()));
-    dnnl::reorder(from, at(0)).execute(stream, from, at(0));
+    dnnl::primitive_attr rounding;
+    if (!map_steps.empty()) onednn::scale_outputs(rounding, 0, {1.0F / map_steps[0]});
+    const dnnl::reorder::primitive_desc how(from, at(0), rounding);
+    dnnl::reorder(how).execute(stream, from, at(0));
   }
 
   dnnl::engine engine{dnnl::engine::kind::cpu, 0};
@@ -309,6 +339,7 @@ struct OnednnPlan::Parts {
   Type narrow;
   std::vector<MapShape> shapes;  // by value
   std::vector<bool> wide;        // by value
+  std::vector<float> map_steps;  // by value; empty unless maps are integers
   memory block;
   std::vector<memory> values;  // inside block
   std::vector<Step> steps;
@@ -322,11 +353,11 @@ struct OnednnPlan::Parts {
   std::array<memory, 2> passing_block_;
 };
 
-OnednnPlan::OnednnPlan(const LayerGraph& graph, const std::vector<int>& input_shape, bool bfloat16,
-                       int threads)
-    : threads_(threads) {
-  const OpenMpThreads limit(threads);
-  parts_ = std::make_unique<Parts>(graph, input_shape, bfloat16);
+OnednnPlan::OnednnPlan(const LayerGraph& graph, const std::vector<int>& input_shape,
+                       const PlanOptions& options)
+    : threads_(options.threads) {
+  const OpenMpThreads limit(threads_);
+  parts_ = std::make_unique<Parts>(graph, input_shape, options);
 }
 
 OnednnPlan::~OnednnPlan() = default;
@@ -358,6 +389,8 @@ bool onednn_has_kernels() {
     return false;
   }
 }
+
+bool onednn_has_int8() { return onednn::kHasFixedScales; }
 
 #ifdef __x86_64__
 bool onednn_has_bfloat16() { return __builtin_cpu_supports("avx512bw") != 0; }

@@ -10,9 +10,20 @@
 
 namespace ydd {
 
+/// In which numbers feature maps are kept; outputs are 32-bit floats.
+enum class MapNumbers { float32, bfloat16, int8 };
+
+/// How a network is made ready.
+struct PlanOptions {
+  MapNumbers numbers = MapNumbers::float32;
+  int threads = 1;
+  std::vector<float> ranges{};  ///< for int8: as for value_steps()
+};
+
 /// Whether oneDNN has quick kernels for this processor at all. Debian's has none for ARM without
 /// SVE.
 bool onednn_has_kernels();
+bool onednn_has_int8();            ///< version 2; version 3 takes scales in another way
 bool onednn_has_bfloat16();        ///< with AVX-512
 bool onednn_has_quick_bfloat16();  ///< with AMX; without it 32-bit floats are quicker
 
@@ -23,9 +34,10 @@ bool onednn_has_quick_bfloat16();  ///< with AMX; without it 32-bit floats are q
 /// AMX kernels; with 32-bit floats it costs a few per cent against blocked layouts (ADR 7).
 class OnednnPlan {
  public:
-  /// Keeps nothing of `graph`. @throws std::exception when shapes do not fit each other.
-  OnednnPlan(const LayerGraph& graph, const std::vector<int>& input_shape, bool bfloat16,
-             int threads);
+  /// Keeps nothing of `graph`. @throws std::exception when shapes do not fit each other, or where
+  /// oneDNN has no kernel.
+  OnednnPlan(const LayerGraph& graph, const std::vector<int>& input_shape,
+             const PlanOptions& options);
   ~OnednnPlan();
   OnednnPlan(const OnednnPlan&) = delete;
   OnednnPlan& operator=(const OnednnPlan&) = delete;

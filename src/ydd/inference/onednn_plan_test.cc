@@ -48,7 +48,7 @@ constexpr ForcedIsa kIsas[] = {{"sse41", dnnl::cpu_isa::sse41},
   Result<LayerGraph> layers =
       graph ? make_layers(std::move(*graph)) : Result<LayerGraph>(graph.error());
   if (!layers) end_child(layers.error().message);
-  OnednnPlan plan(*layers, shape, false, 1);
+  OnednnPlan plan(*layers, shape, {});
   if (plan.implementations().size() < 10) end_child("a plan of almost nothing");
   for (const std::string& name : plan.implementations()) {
     if (is_reference(name)) end_child("reference kernel: " + name);

@@ -9,7 +9,9 @@
 #include "ydd/inference/network_backends.h"
 
 #ifdef YDD_WITH_ONEDNN
+#include "ydd/inference/layer_shapes.h"
 #include "ydd/inference/onednn_plan.h"
+#include "ydd/inference/quantisation.h"
 
 namespace ydd {
 namespace {
@@ -17,14 +19,14 @@ namespace {
 /// Keeps a plan for the newest shape of input: a detector has one.
 class OnednnSession : public InferenceSession {
  public:
-  OnednnSession(LayerGraph graph, bool bfloat16, int threads)
-      : graph_(std::move(graph)), bfloat16_(bfloat16), threads_(threads) {}
+  OnednnSession(LayerGraph graph, PlanOptions options)
+      : graph_(std::move(graph)), options_(std::move(options)) {}
 
   Result<std::vector<Tensor>> run(const Tensor& input) override {
     try {
       if (!plan_ || input.shape != shape_) {
         plan_.reset();
-        plan_ = std::make_unique<OnednnPlan>(graph_, input.shape, bfloat16_, threads_);
+        plan_ = std::make_unique<OnednnPlan>(graph_, input.shape, options_);
         shape_ = input.shape;
       }
       return plan_->run(input);
@@ -36,11 +38,17 @@ class OnednnSession : public InferenceSession {
 
  private:
   LayerGraph graph_;
-  bool bfloat16_;
-  int threads_;
+  PlanOptions options_;
   std::vector<int> shape_;
   std::unique_ptr<OnednnPlan> plan_;
 };
+
+MapNumbers numbers_of(Precision precision) {
+  if (precision == Precision::int8) return MapNumbers::int8;
+  const bool bfloat16 = precision == Precision::bfloat16 ||
+                        (precision == Precision::automatic && onednn_has_quick_bfloat16());
+  return bfloat16 ? MapNumbers::bfloat16 : MapNumbers::float32;
+}
 
 }  // namespace
 
@@ -50,15 +58,32 @@ SessionResult make_onednn_session(std::string_view onnx, const InferenceOptions&
   if (options.precision == Precision::bfloat16 && !onednn_has_bfloat16()) {
     return Error{"precision bfloat16 needs a processor with AVX-512"};
   }
+<<<<<<< HEAD
+  if (options.precision == Precision::int8 && !onednn_has_int8()) {
+    return Error{"precision int8 needs oneDNN 2, this build has 3"};
+  }
+  if (!onednn_has_kernels()) return Error{"oneDNN has no kernels for this processor"};
+=======
+>>>>>>> h_ports
   Result<OnnxGraph> graph = read_onnx(onnx);
   if (!graph) return Error{"oneDNN cannot load it: " + graph.error().message};
   Result<LayerGraph> layers = make_layers(std::move(*graph));
   if (!layers) return Error{"oneDNN cannot load it: " + layers.error().message};
+<<<<<<< HEAD
+  const MapNumbers numbers = numbers_of(options.precision);
+  if (numbers == MapNumbers::int8) {
+    const auto steps = value_steps(*layers, wide_values(*layers), options.ranges);
+    if (!steps) return steps.error();
+  }
+  return std::unique_ptr<InferenceSession>(std::make_unique<OnednnSession>(
+      std::move(*layers), PlanOptions{numbers, options.threads, options.ranges}));
+=======
   if (!onednn_has_kernels()) return Error{"oneDNN has no kernels for this processor"};
   const bool bfloat16 = options.precision == Precision::bfloat16 ||
                         (options.precision == Precision::automatic && onednn_has_quick_bfloat16());
   return std::unique_ptr<InferenceSession>(
       std::make_unique<OnednnSession>(std::move(*layers), bfloat16, options.threads));
+>>>>>>> h_ports
 }
 
 }  // namespace ydd

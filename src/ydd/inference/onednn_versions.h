@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stdexcept>
+#include <vector>
+
 #include <dnnl.hpp>
 
 /// What the interfaces of oneDNN 2 and 3 spell differently, under one name each. Only files of the
@@ -21,7 +24,17 @@ inline Desc in_any_layout(const Desc& map) {
 }
 inline dnnl::memory::data_type type_of(const Desc& map) { return map.get_data_type(); }
 
-inline void append_activation(dnnl::post_ops& ops, dnnl::algorithm algorithm, float alpha) {
+/// Scales that are known when a kernel is made, as 8-bit integers need them here. Version 3 takes
+/// them with every call instead, which nobody has tried.
+inline constexpr bool kHasFixedScales = false;
+inline void scale_outputs(dnnl::primitive_attr&, int, const std::vector<float>&) {
+  throw std::logic_error("oneDNN 3 has no fixed scales");
+}
+
+/// What is activated is multiplied by `scale`.
+inline void append_activation(dnnl::post_ops& ops, dnnl::algorithm algorithm, float alpha,
+                              float scale) {
+  if (scale != 1.0F) throw std::logic_error("oneDNN 3 has no fixed scales");
   ops.append_eltwise(algorithm, alpha, 0.0F);
 }
 
@@ -78,8 +91,15 @@ inline Desc in_any_layout(const Desc& map) {
 }
 inline dnnl::memory::data_type type_of(const Desc& map) { return map.data_type(); }
 
-inline void append_activation(dnnl::post_ops& ops, dnnl::algorithm algorithm, float alpha) {
-  ops.append_eltwise(1.0F, algorithm, alpha, 0.0F);
+inline constexpr bool kHasFixedScales = true;
+inline void scale_outputs(dnnl::primitive_attr& attributes, int mask,
+                          const std::vector<float>& scales) {
+  attributes.set_output_scales(mask, scales);
+}
+
+inline void append_activation(dnnl::post_ops& ops, dnnl::algorithm algorithm, float alpha,
+                              float scale) {
+  ops.append_eltwise(scale, algorithm, alpha, 0.0F);
 }
 
 /// Empty where there is no kernel.

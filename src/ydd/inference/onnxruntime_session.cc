@@ -263,8 +263,9 @@ class OnnxRuntimeSession : public InferenceSession {
 }  // namespace
 
 SessionResult make_onnxruntime_session(std::string_view onnx, const InferenceOptions& options) {
-  if (options.precision == Precision::bfloat16)
-    return Error{"precision bfloat16 needs 'backend: onednn'"};
+  if (options.precision == Precision::bfloat16 || options.precision == Precision::int8) {
+    return Error{fmt::format("precision {} needs 'backend: onednn'", to_string(options.precision))};
+  }
   if (options.precision == Precision::float16)
     return Error{"precision float16 needs 'backend: opencv' and 'device: cuda'"};
   const Result<Library> library = Library::open(options.onnxruntime);

@@ -107,8 +107,8 @@ bool is_built_with_cuda() {
 
 Result<Target> choose_target(const InferenceOptions& options) {
   const bool half = options.precision == Precision::float16;
-  if (options.precision == Precision::bfloat16) {
-    return Error{"precision bfloat16 needs 'backend: onednn'"};
+  if (options.precision == Precision::bfloat16 || options.precision == Precision::int8) {
+    return Error{fmt::format("precision {} needs 'backend: onednn'", to_string(options.precision))};
   }
   if (options.device == Device::cpu) {
     if (half) return Error{"precision float16 needs 'device: cuda'"};

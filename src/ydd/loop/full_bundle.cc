@@ -93,15 +93,17 @@ GatheredBundle gather_window(const Atlas& atlas, const std::vector<KeyFrameId>& 
 }  // namespace
 
 std::optional<Correction> full_bundle(const Atlas& atlas, KeyFrameId member,
-                                      const LoopOptions& options, const std::stop_token& stop) {
+                                      const LoopOptions& options, const std::stop_token& stop,
+                                      const BundleWatch& watch) {
   const KeyFrame* keyframe = atlas.find(member);
   if (!keyframe) return std::nullopt;
   const auto most = static_cast<std::size_t>(options.bundle_keyframes);
   const GatheredBundle gathered = size_of(atlas, keyframe->map) <= most
                                       ? gather_map(atlas, keyframe->map)
                                       : gather_window(atlas, neighbourhood(atlas, member, most));
-  const BundleResult solved = solve_bundle(atlas.camera(), gathered.problem, options.bundle, stop);
-  if (solved.interrupted) return std::nullopt;
+  const BundleResult solved =
+      solve_bundle(atlas.camera(), gathered.problem, options.bundle, stop, watch);
+  if (solved.interrupted && !(solved.final_cost < solved.initial_cost)) return std::nullopt;
   Correction correction;
   correction.revision = atlas.revision();
   correction.newcomers_from = atlas.next_serial();

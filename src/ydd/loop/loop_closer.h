@@ -40,8 +40,8 @@ struct LoopOptions {
 
 /// A place seen again: where the keyframe would stand if the older part of the map is right.
 struct LoopMatch {
-  KeyFrameId current;
-  KeyFrameId matched;
+  KeyFrameId current;            ///< the keyframe that sees a known place
+  KeyFrameId matched;            ///< the keyframe of the map that shows it already
   SE3 T_world_current;           ///< in the frame of the matched keyframe's map
   std::vector<MapPointId> seen;  ///< points of the matched part that agree
 };
@@ -70,8 +70,10 @@ std::optional<Correction> correct_loop(const Atlas& atlas, const LoopMatch& matc
                                        const std::stop_token& stop = {});
 
 /// Bundle adjustment over the whole map that `member` belongs to; in a map of more than
-/// `bundle_keyframes` over so many around `member`, while the others stay. Nothing if interrupted.
+/// `bundle_keyframes` over so many around `member`, while the others stay. Interrupted, it gives
+/// the best it has; nothing if that is no better than the map. `watch` as solve_bundle.
 std::optional<Correction> full_bundle(const Atlas& atlas, KeyFrameId member,
-                                      const LoopOptions& options, const std::stop_token& stop = {});
+                                      const LoopOptions& options, const std::stop_token& stop = {},
+                                      const BundleWatch& watch = {});
 
 }  // namespace ydd

@@ -206,6 +206,59 @@ TEST(FullBundle, ReducesTheErrorOfAShakenMap) {
   EXPECT_LT((truth.inverse() * correction->T_world_keyframe.at(shaken)).translation().norm(), 0.01);
 }
 
+/// Half the squared distances between where the points of the map are and where keyframes see them,
+/// cut off as the bundle does.
+double reprojection_cost(const Atlas& atlas) {
+  const BundleOptions options;
+  double cost = 0;
+  atlas.points().for_each([&](MapPointId, const MapPoint& point) {
+    for (const Observation& o : point.observations) {
+      const KeyFrame& keyframe = atlas.at(o.keyframe);
+      const Eigen::Vector3d seen = uvr_px(keyframe.features(), o.keypoint);
+      const Eigen::Vector3d p_camera = keyframe.T_world_camera.inverse() * point.p_world;
+      const Eigen::Vector2d px = atlas.camera().project(p_camera);
+      const bool mono = seen.z() < 0;
+      const double right_px = mono ? 0.0 : px.x() - atlas.camera().bf() / p_camera.z() - seen.z();
+      const auto octave = static_cast<std::size_t>(
+          keyframe.features().keypoints[static_cast<std::size_t>(o.keypoint)].octave);
+      const double chi2 = ((px - seen.head<2>()).squaredNorm() + right_px * right_px) *
+                          atlas.scales().inv_sigma2[octave];
+      const double gate = mono ? options.chi2_mono : options.chi2_stereo;
+      cost += 0.5 * (chi2 <= gate ? chi2 : 2.0 * std::sqrt(gate * chi2) - gate);
+    }
+  });
+  return cost;
+}
+
+TEST(FullBundle, InterruptedAfterAnIterationItGivesWhatThatReached) {
+  TwoVisits visits = two_visits(SE3(), true);
+  Vector6d twist;
+  twist << 0.03, -0.02, 0.02, 0.005, 0.0, -0.004;
+  const KeyFrameId shaken = visits.old_keyframes[5];
+  visits.atlas.set_pose(shaken, visits.atlas.at(shaken).T_world_camera * SE3::exp(twist));
+  const auto cost_after = [&](int iterations) -> std::optional<double> {
+    std::stop_source stop;
+    int seen = 0;
+    const auto correction =
+        full_bundle(visits.atlas, shaken, quick_options(), stop.get_token(), [&](int) {
+          if (++seen == iterations) stop.request_stop();
+        });
+    if (!correction) return std::nullopt;
+    EXPECT_EQ(correction->revision, visits.atlas.revision());
+    TwoVisits moved = two_visits(SE3(), true);  // the same map once more
+    moved.atlas.set_pose(shaken, moved.atlas.at(shaken).T_world_camera * SE3::exp(twist));
+    for (const auto& [id, pose] : correction->T_world_keyframe) moved.atlas.set_pose(id, pose);
+    for (const auto& [id, p_world] : correction->p_world) moved.atlas.set_position(id, p_world);
+    EXPECT_TRUE(moved.atlas.check_consistency().empty());
+    return reprojection_cost(moved.atlas);
+  };
+  const double before = reprojection_cost(visits.atlas);
+  const auto one = cost_after(1), whole = cost_after(1000);
+  ASSERT_TRUE(one && whole);
+  EXPECT_LT(*one, before);
+  EXPECT_LT(*whole, *one) << "one iteration was not all: it was interrupted";
+}
+
 TEST(FullBundle, OfALargeMapAdjustsWhatIsAroundTheLoop) {
   TwoVisits visits = two_visits(SE3(), true);
   Vector6d twist;

@@ -30,10 +30,22 @@ Atlas::Atlas(const Atlas& other, Table<KeyFrame, KeyFrameTag> keyframes,
       revision_(other.revision_),
       newest_(other.newest_),
       next_serial_(other.next_serial_),
-      maps_(other.maps_) {}
+      maps_(other.maps_),
+      far_(other.far_) {}
 
 std::shared_ptr<const Atlas> Atlas::snapshot() {
   return std::shared_ptr<const Atlas>(new Atlas(*this, keyframes_.snapshot(), points_.snapshot()));
+}
+
+Atlas Atlas::fork() const { return {*this, keyframes_.fork(), points_.fork()}; }
+
+Atlas::Newer Atlas::adopt_places(const Atlas& before, const Atlas& fork) {
+  ++revision_;
+  Newer newer;
+  keyframes_.adopt(before.keyframes_, fork.keyframes_,
+                   [&](KeyFrameId id) { newer.keyframes.push_back(id); });
+  points_.adopt(before.points_, fork.points_, [&](MapPointId id) { newer.points.push_back(id); });
+  return newer;
 }
 
 MapId Atlas::new_map() {
@@ -181,11 +193,18 @@ std::optional<SE3> Atlas::T_world_keyframe(KeyFrameId id) const {
     if (const KeyFrame* keyframe = keyframes_.find(id)) {
       return keyframe->T_world_camera * T_ancestor_keyframe;
     }
+    if (const FarKeyFrame* far = find_far(id)) return far->T_world_camera * T_ancestor_keyframe;
     const CulledKeyFrame* culled = culled_.find(id);
     if (!culled) return std::nullopt;
     T_ancestor_keyframe = culled->T_parent_keyframe * T_ancestor_keyframe;
     id = culled->parent;
   }
+}
+
+const FarKeyFrame* Atlas::find_far(KeyFrameId id) const {
+  if (!far_) return nullptr;
+  const auto found = far_->find(id);
+  return found == far_->end() ? nullptr : &found->second;
 }
 
 KeyFrameId Atlas::nearest_kept(KeyFrameId id) const {
@@ -200,6 +219,7 @@ KeyFrameId Atlas::nearest_kept(KeyFrameId id) const {
 MapId Atlas::map_of(KeyFrameId id) const {
   for (;;) {
     if (const KeyFrame* keyframe = keyframes_.find(id)) return keyframe->map;
+    if (const FarKeyFrame* far = find_far(id)) return far->map;
     const CulledKeyFrame* culled = culled_.find(id);
     if (!culled) return {};
     id = culled->parent;

@@ -114,7 +114,51 @@ bool link_observations(Table<KeyFrame, KeyFrameTag>& keyframes,
   return fits;
 }
 
+/// Takes from points what keyframes saw that are not among these, and points that nobody else saw.
+void keep_observations_by(const Table<KeyFrame, KeyFrameTag>& keyframes,
+                          std::vector<std::pair<MapPointId, MapPoint>>& points) {
+  std::erase_if(points, [&](auto& entry) {
+    std::erase_if(entry.second.observations,
+                  [&](const Observation& s) { return !keyframes.contains(s.keyframe); });
+    return entry.second.observations.empty();
+  });
+}
+
+WordIndex index_of(const Table<KeyFrame, KeyFrameTag>& keyframes) {
+  std::vector<WordIndex::Entry> words;
+  keyframes.for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
+    if (keyframe.words) words.push_back({keyframe.serial, id, keyframe.words});
+  });
+  return WordIndex(std::move(words));
+}
+
 }  // namespace
+
+Result<Atlas> Atlas::restore_part(AtlasPart part) {
+  AtlasParts& parts = part.parts;
+  auto keyframes =
+      Table<KeyFrame, KeyFrameTag>::of_part(std::move(parts.keyframes), part.keyframe_slots);
+  if (!keyframes) return Error{"ids of keyframes that cannot be"};
+  keep_observations_by(*keyframes, parts.points);
+  auto points = Table<MapPoint, MapPointTag>::of_part(std::move(parts.points), part.point_slots);
+  if (!points) return Error{"ids of points that cannot be"};
+  Atlas atlas(parts.camera, parts.scales);
+  atlas.keyframes_ = std::move(*keyframes);
+  atlas.points_ = std::move(*points);
+  atlas.revision_ = parts.revision;
+  atlas.newest_ = parts.newest;
+  atlas.next_serial_ = parts.next_serial;
+  atlas.maps_ = parts.maps;
+  atlas.far_ = std::make_shared<const std::map<KeyFrameId, FarKeyFrame>>(std::move(part.far));
+  if (std::string fault = fault_of_keyframes(atlas); !fault.empty()) return Error{std::move(fault)};
+  if (std::string fault = fault_of_points(atlas); !fault.empty()) return Error{std::move(fault)};
+  if (!link_observations(atlas.keyframes_, atlas.points_)) {
+    return Error{"a keypoint that shows two points"};
+  }
+  link_children(atlas.keyframes_);
+  atlas.word_index_ = index_of(atlas.keyframes_);
+  return atlas;
+}
 
 Result<Atlas> Atlas::restore(AtlasParts parts) {
   auto keyframes =
@@ -134,11 +178,7 @@ Result<Atlas> Atlas::restore(AtlasParts parts) {
     return Error{"a keypoint that shows two points"};
   }
   link_children(atlas.keyframes_);
-  std::vector<WordIndex::Entry> words;
-  atlas.keyframes_.for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
-    if (keyframe.words) words.push_back({keyframe.serial, id, keyframe.words});
-  });
-  atlas.word_index_ = WordIndex(std::move(words));
+  atlas.word_index_ = index_of(atlas.keyframes_);
   std::vector<std::string> faults = atlas.check_consistency();
   if (!faults.empty()) return Error{std::move(faults.front())};
   return atlas;

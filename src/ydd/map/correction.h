@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -25,6 +26,13 @@ struct Correction {
   std::map<KeyFrameId, SE3> T_world_keyframe;     ///< new poses
   std::map<MapPointId, Eigen::Vector3d> p_world;  ///< new positions; others follow a keyframe
   std::optional<Junction> junction;               ///< of a loop or merge
+
+  /// The snapshot that it was computed on, and the same map moved: in a large map most of the work,
+  /// done where nobody waits for it (prepare_correction).
+  struct Prepared {
+    std::shared_ptr<const Atlas> before, after;
+  };
+  std::optional<Prepared> prepared;
 };
 
 }  // namespace ydd

@@ -22,7 +22,7 @@ struct PruneOptions {
 
 /// What is left, and how much went.
 struct PrunedMap {
-  Atlas atlas;
+  Atlas atlas;                                      ///< with what is left
   std::size_t maps = 0, keyframes = 0, points = 0;  ///< that went
 };
 

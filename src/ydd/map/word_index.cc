@@ -2,7 +2,9 @@
 #include "ydd/map/word_index.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <utility>
 
@@ -57,6 +59,29 @@ void append_kept(const WordIndex::Part& part, std::vector<WordIndex::Entry>& out
   }
 }
 
+/// The `wanted` heaviest words of a bag, in the order of the words; of equal ones the first.
+BagOfWords heaviest(const BagOfWords& bag, std::size_t wanted) {
+  // Positive floats are ordered as their bits are. One number for weight and place: no two alike.
+  const auto rank = [&](std::size_t i) {
+    return std::uint64_t{std::bit_cast<std::uint32_t>(bag.weights[i])} << 32U | (UINT32_MAX - i);
+  };
+  std::vector<std::uint64_t> ranks(bag.words.size());
+  for (std::size_t i = 0; i < ranks.size(); ++i) ranks[i] = rank(i);
+  BagOfWords out;
+  if (wanted == 0) return out;
+  const auto last = ranks.begin() + static_cast<std::ptrdiff_t>(wanted) - 1;
+  std::nth_element(ranks.begin(), last, ranks.end(), std::greater<>());
+  const std::uint64_t least = *last;
+  out.words.reserve(wanted);
+  out.weights.reserve(wanted);
+  for (std::size_t i = 0; i < bag.words.size(); ++i) {
+    if (rank(i) < least) continue;
+    out.words.push_back(bag.words[i]);
+    out.weights.push_back(bag.weights[i]);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::uint16_t WordIndex::whole_weight(float weight) {
@@ -76,6 +101,25 @@ WordIndex::WordIndex(std::vector<Entry> entries) : size_(entries.size()) {
     const auto end = begin + kLargest < entries.size() ? first + kLargest : entries.end();
     parts_.push_back(part_of({first, end}));
   }
+}
+
+WordIndex WordIndex::without_bags(std::vector<Entry> entries, std::size_t most_postings) {
+  std::size_t postings = 0;
+  for (const Entry& e : entries) postings += e.words->words.size();
+  const bool complete = postings <= most_postings;
+  const std::size_t each = complete ? postings : most_postings / entries.size();
+  for (Entry& e : entries) {
+    if (e.words->words.size() <= each) continue;
+    e.words = std::make_shared<const BagOfWords>(heaviest(*e.words, each));
+  }
+  WordIndex index(std::move(entries));
+  index.complete_ = complete;
+  for (Part& part : index.parts_) {
+    auto bare = std::make_shared<Segment>(*part.segment);
+    for (Entry& e : bare->entries) e.words.reset();
+    part.segment = std::move(bare);
+  }
+  return index;
 }
 
 void WordIndex::add(Entry entry) {

@@ -73,6 +73,13 @@ class WordIndex {
   /// Of all these at once.
   explicit WordIndex(std::vector<Entry> entries);
 
+  /// Of all these at once, to be asked and not edited: it holds no bags (entries have none), and
+  /// where there are more than `most_postings` words in all, each keyframe is listed under an equal
+  /// number of those that tell most of it.
+  static WordIndex without_bags(std::vector<Entry> entries, std::size_t most_postings);
+  /// Whether every keyframe is listed under all of its words.
+  bool complete() const { return complete_; }
+
   /// Adds a keyframe that is newer than all others.
   void add(Entry entry);
   /// @throws std::logic_error if it is not there.
@@ -99,6 +106,7 @@ class WordIndex {
   std::vector<Entry> tail_;
   std::shared_ptr<const std::vector<std::uint32_t>> frequencies_;  ///< by word
   std::size_t size_ = 0;
+  bool complete_ = true;
 };
 
 }  // namespace ydd

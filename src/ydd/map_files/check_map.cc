@@ -60,9 +60,9 @@ std::uint64_t check_rows(Database& database, const TableShape& table,
   return digest;
 }
 
-void check_content(Database& database, std::vector<std::string>& faults) {
+void check_content(Database& database, std::int64_t version, std::vector<std::string>& faults) {
   std::uint64_t digest = 0;
-  for (const TableShape* const table : map_format::kContent) {
+  for (const TableShape* const table : map_format::content_of(version)) {
     digest += check_rows(database, *table, faults);
   }
   const bool sound = faults.empty();
@@ -79,20 +79,21 @@ void check_content(Database& database, std::vector<std::string>& faults) {
 
 }  // namespace
 
-MapCheck check_map(const std::filesystem::path& file) {
+MapCheck check_map(const std::filesystem::path& file, const MapKey& key) {
   MapCheck check;
   look(check.faults, "", [&] {
-    map_format::check_header(file);
-    map_format::recover(file);
-    Database database(file, Database::Mode::read);
+    map_format::check_header(file, key);
+    map_format::recover(file, key);
+    Database database(file, Database::Mode::read, key);
     database.run("BEGIN");
-    database.expect_tables(map_format::kTables);
+    const std::int64_t version = database.number("PRAGMA user_version");
+    database.expect_tables(map_format::tables_of(version));
     check_pages(database, check.faults);
-    check_content(database, check.faults);
+    check_content(database, version, check.faults);
   });
   if (!check.faults.empty()) return check;
   look(check.faults, "", [&] {
-    const Atlas atlas = map_format::read_rows(file).first;
+    const Atlas atlas = map_format::read_rows(file, key).atlas;
     check.keyframes = atlas.keyframes().size();
     check.points = atlas.points().size();
     std::set<MapId> maps;

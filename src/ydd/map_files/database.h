@@ -6,14 +6,15 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
-struct sqlite3;
-struct sqlite3_stmt;
+#include "ydd/map_files/map_key.h"
+#include "ydd/map_files/sqlite_library.h"
 
 /// SQLite as map files use it. Inside the room only; every failure throws map_format::Fault.
 namespace ydd::map_format {
@@ -49,7 +50,9 @@ class Database {
     write,   ///< commits survive a power cut
     create,  ///< new file, filled without a journal: of no use until it is complete
   };
-  Database(const std::filesystem::path& file, Mode mode);
+  /// With a key the file is one of SQLCipher, else one of SQLite. @throws Refused where it does not
+  /// open with this key, or holds no map that this program knows.
+  Database(const std::filesystem::path& file, Mode mode, const MapKey& key = {});
 
   void run(const std::string& sql);
   /// First cell of the first row of the answer.
@@ -72,21 +75,31 @@ class Database {
   /// The same whether the checksum is right or wrong: `visit` gets the one that is stored.
   void for_each_unchecked(const TableShape& table,
                           const std::function<void(const Row&, std::uint64_t)>& visit);
+  /// The row of that key, if there is one. @throws Fault if its checksum is wrong.
+  std::optional<Row> find(const TableShape& table, std::int64_t key);
+  /// Counts the work that a file asks for anew: for a connection that stays open.
+  void renew_patience();
 
  private:
   struct Close {
+    const SqliteLibrary* sql;
     void operator()(sqlite3* connection) const;
     void operator()(sqlite3_stmt* statement) const;
   };
   using Statement = std::unique_ptr<sqlite3_stmt, Close>;
 
   static int count_steps(void* steps_left);
+  void set_key(const MapKey& key);
+  void expect_right_key();
   void distrust(const std::filesystem::path& file);
+  Statement prepared_or_null(const std::string& sql);
   Statement prepare(const std::string& sql);
   sqlite3_stmt& prepared(const std::string& sql);
   void finish(sqlite3_stmt& statement);
   [[noreturn]] void fail();
 
+  std::int64_t steps_granted_ = 0;
+  const SqliteLibrary* sql_;
   std::unique_ptr<std::int64_t> steps_left_;  ///< of a file that is read; outlives the connection
   std::unique_ptr<sqlite3, Close> connection_;
   std::map<std::string, Statement> statements_;  ///< those used again and again, by their text

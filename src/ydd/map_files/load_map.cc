@@ -10,6 +10,7 @@
 #include "ydd/map_files/map_header.h"
 #include "ydd/map_files/map_rows.h"
 #include "ydd/map_files/map_schema.h"
+#include "ydd/map_files/row_values.h"
 
 namespace ydd {
 namespace {
@@ -21,15 +22,19 @@ using map_format::Row;
 /// Reads tables and remembers what their rows add up to.
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& file) : database_(file, Database::Mode::read) {
-    database_.run("BEGIN");                        // everything from one save, whoever is writing
-    database_.expect_tables(map_format::kTables);  // before the check, which computes what it finds
+  Reader(const std::filesystem::path& file, const MapKey& key)
+      : database_(file, Database::Mode::read, key) {
+    database_.run("BEGIN");  // everything from one save, whoever is writing
+    version_ = database_.number("PRAGMA user_version");
+    // Before the check, which computes what it finds.
+    database_.expect_tables(map_format::tables_of(version_));
     if (std::string check = database_.text("PRAGMA quick_check(1)"); check != "ok") {
       std::replace(check.begin(), check.end(), '\n', ' ');  // a heading, then what is wrong
       throw Fault(check);
     }
-    const std::int64_t version = database_.number("PRAGMA user_version");
-    if (version != map_format::kVersion) throw Fault(fmt::format("format {}", version));
+    if (version_ < 1 || version_ > map_format::kVersion) {
+      throw Fault(fmt::format("format {}", version_));
+    }
   }
 
   template <class Visit>
@@ -50,56 +55,40 @@ class Reader {
     return std::move(rows.front());
   }
   const map_format::HeldRows& held() const { return held_; }
+  std::int64_t version() const { return version_; }
 
  private:
   Database database_;
+  std::int64_t version_ = 0;
   map_format::HeldRows held_;
 };
 
-std::uint32_t slot_of(const Row& row) {
-  if (row.key < 0 || row.key > UINT32_MAX) throw Fault("a slot that is too large");
-  return static_cast<std::uint32_t>(row.key);
-}
+/// What rows of keyframes say about other rows, as bytes.
+using BlockLists = std::vector<std::pair<KeyFrameId, std::string>>;
 
-struct Totals {
-  std::uint32_t keyframes = 0;
-  std::uint32_t points = 0;
-  std::uint64_t digest = 0;
-};
-
-constexpr std::uint32_t kMostMaps = 1'000'000;
-
-Totals read_atlas_row(const Row& row, AtlasParts& parts) {
-  parts.camera = map_format::decode_camera(row.bytes(2));
-  parts.camera.name = row.bytes(1);
-  parts.scales = map_format::decode_scales(row.bytes(3));
-  parts.revision = static_cast<std::uint64_t>(row.integer(4));
-  parts.next_serial = row.integer(5);
-  parts.maps = row.number(6, kMostMaps);
-  parts.newest = {row.number(7), row.number(8)};
-  parts.freed_keyframes = map_format::decode_ids<KeyFrameTag>(row.bytes(9));
-  parts.freed_points = map_format::decode_ids<MapPointTag>(row.bytes(10));
-  return {row.number(11), row.number(12), static_cast<std::uint64_t>(row.integer(13))};
-}
-
-void read_keyframes(Reader& reader, AtlasParts& parts) {
-  reader.rows(map_format::kKeyframe, [&](const Row& row) {
-    KeyFrame k;
-    k.serial = row.integer(1);
-    k.frame_index = row.integer(2);
-    k.stamp = {row.integer(3)};
-    k.map = {row.number(4), 1};
-    k.parent = {row.number(5), row.number(6)};
-    k.T_world_camera = map_format::decode_pose(row.bytes(7));
-    k.covisible = map_format::decode_covisible(row.bytes(8));
-    k.loops = map_format::decode_ids<KeyFrameTag>(row.bytes(9));
-    parts.keyframes.emplace_back(KeyFrameId{slot_of(row), row.number(0)}, std::move(k));
+BlockLists read_keyframes(Reader& reader, AtlasParts& parts) {
+  BlockLists lists;
+  const bool old = reader.version() == 1;
+  reader.rows(old ? map_format::kKeyframe1 : map_format::kKeyframe, [&](const Row& row) {
+    const KeyFrameId id = map_format::keyframe_id_of(row);
+    parts.keyframes.emplace_back(id, map_format::decode_keyframe_row(row));
+    if (!old) lists.emplace_back(id, row.bytes(10));
   });
+  return lists;
+}
+
+/// What a part of the map would be read by must lead to the points that there are.
+void check_blocks(const Atlas& atlas, const BlockLists& lists) {
+  for (const auto& [id, bytes] : lists) {
+    if (map_format::encode_blocks_of(atlas.at(id).points) != bytes) {
+      throw Fault(fmt::format("keyframe {}: its points lie elsewhere", id.slot));
+    }
+  }
 }
 
 /// The keyframe that a row of another table belongs to.
 KeyFrame& keyframe_of(const Row& row, AtlasParts& parts) {
-  const KeyFrameId id{slot_of(row), row.number(0)};
+  const KeyFrameId id = map_format::keyframe_id_of(row);
   const auto found =
       std::lower_bound(parts.keyframes.begin(), parts.keyframes.end(), id,
                        [](const auto& entry, KeyFrameId i) { return entry.first < i; });
@@ -111,14 +100,23 @@ KeyFrame& keyframe_of(const Row& row, AtlasParts& parts) {
 
 void read_features(Reader& reader, AtlasParts& parts) {
   reader.rows(map_format::kFeatures, [&](const Row& row) {
-    KeyFrame& keyframe = keyframe_of(row, parts);
-    const auto features =
-        std::make_shared<const Features>(map_format::decode_features(row.bytes(1)));
-    keyframe.grid = std::make_shared<const KeypointGrid>(*features, parts.camera);
-    keyframe.words = std::make_shared<const BagOfWords>(
-        bag_of_words(builtin_vocabulary(), features->descriptors));
-    keyframe.shared_features = features;
+    map_format::decode_features_row(row, parts.camera, keyframe_of(row, parts));
   });
+}
+
+void read_words(Reader& reader, AtlasParts& parts) {
+  if (reader.version() > 1) {
+    reader.rows(map_format::kWords, [&](const Row& row) {
+      KeyFrame& keyframe = keyframe_of(row, parts);
+      if (auto bag = map_format::decode_words_row(row)) {
+        keyframe.words = std::make_shared<const BagOfWords>(*std::move(bag));
+      }
+    });
+  }
+  for (auto& [id, keyframe] : parts.keyframes) {
+    if (keyframe.shared_features && !keyframe.words)
+      keyframe.words = map_format::words_of(keyframe);
+  }
 }
 
 void read_pictures(Reader& reader, AtlasParts& parts) {
@@ -148,15 +146,16 @@ void read_points(Reader& reader, AtlasParts& parts) {
 
 }  // namespace
 
-std::pair<Atlas, map_format::HeldRows> map_format::read_rows(const std::filesystem::path& file) {
-  check_header(file);
+map_format::ReadMap map_format::read_rows(const std::filesystem::path& file, const MapKey& key) {
+  check_header(file, key);
   try {
-    recover(file);
-    Reader reader(file);
-    AtlasParts parts;
-    const Totals totals = read_atlas_row(reader.atlas_row(), parts);
-    read_keyframes(reader, parts);
+    recover(file, key);
+    Reader reader(file, key);
+    AtlasRow totals = decode_atlas_row(reader.atlas_row());
+    AtlasParts parts = std::move(totals.parts);
+    const BlockLists lists = read_keyframes(reader, parts);
     read_features(reader, parts);
+    read_words(reader, parts);
     read_pictures(reader, parts);
     read_culled(reader, parts);
     read_points(reader, parts);
@@ -166,15 +165,18 @@ std::pair<Atlas, map_format::HeldRows> map_format::read_rows(const std::filesyst
     }
     Result<Atlas> atlas = Atlas::restore(std::move(parts));
     if (!atlas) throw Fault(atlas.error().message);
-    return {std::move(*atlas), reader.held()};
+    check_blocks(*atlas, lists);
+    return {std::move(*atlas), reader.held(), reader.version()};
+  } catch (const Refused&) {
+    throw;
   } catch (const Fault& fault) {
     throw Fault(fmt::format("is damaged ({}); go back to a copy of it", fault.what()));
   }
 }
 
-Result<Atlas> load_map(const std::filesystem::path& file) {
+Result<Atlas> load_map(const std::filesystem::path& file, const MapKey& key) {
   try {
-    return map_format::read_rows(file).first;
+    return map_format::read_rows(file, key).atlas;
   } catch (const std::exception& fault) {  // also what the file system has to say
     return Error{fmt::format("{}: {}", file.string(), fault.what())};
   }

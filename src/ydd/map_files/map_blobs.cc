@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "ydd/map_files/map_bytes.h"
+#include "ydd/map_files/map_schema.h"
 
 namespace ydd::map_format {
 namespace {
@@ -188,6 +190,71 @@ std::vector<Covisible> decode_covisible(std::string_view bytes) {
   }
   in.expect_end();
   return list;
+}
+
+std::string encode_bag(const BagOfWords& bag) {
+  ByteWriter out;
+  out.varint(bag.words.size());
+  std::uint16_t before = 0;
+  for (std::size_t i = 0; i < bag.words.size(); ++i) {
+    out.varint(static_cast<std::uint64_t>(bag.words[i] - before));
+    out.f32(bag.weights[i]);
+    before = bag.words[i];
+  }
+  return std::move(out).take();
+}
+
+BagOfWords decode_bag(std::string_view bytes) {
+  BagOfWords bag;
+  ByteReader in(bytes);
+  const std::size_t n = in.count(5);
+  bag.words.resize(n);
+  bag.weights.resize(n);
+  std::uint64_t word = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint64_t step = in.varint(UINT16_MAX);
+    word += step;
+    const float weight = in.f32();
+    if ((i > 0 && step == 0) || word > UINT16_MAX || !(weight > 0) || !(weight <= 1.0F)) {
+      throw Fault("words that cannot be");
+    }
+    bag.words[i] = static_cast<std::uint16_t>(word);
+    bag.weights[i] = weight;
+  }
+  in.expect_end();
+  return bag;
+}
+
+std::string encode_blocks_of(const std::vector<MapPointId>& points) {
+  std::vector<std::uint32_t> blocks;
+  blocks.reserve(points.size());
+  for (const MapPointId id : points) {
+    if (id.valid()) blocks.push_back(id.slot / kPointsPerBlock);
+  }
+  std::sort(blocks.begin(), blocks.end());
+  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+  ByteWriter out;
+  out.varint(blocks.size());
+  std::uint32_t before = 0;
+  for (const std::uint32_t block : blocks) out.varint(block - std::exchange(before, block));
+  return std::move(out).take();
+}
+
+std::vector<std::uint32_t> decode_blocks(std::string_view bytes) {
+  std::vector<std::uint32_t> blocks;
+  ByteReader in(bytes);
+  const std::size_t n = in.count(1);
+  blocks.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint64_t step = in.varint(UINT32_MAX);
+    const std::uint64_t block = i == 0 ? step : blocks.back() + step;
+    if ((i > 0 && step == 0) || block > UINT32_MAX / kPointsPerBlock) {
+      throw Fault("blocks of points that cannot be");
+    }
+    blocks.push_back(static_cast<std::uint32_t>(block));
+  }
+  in.expect_end();
+  return blocks;
 }
 
 template <class Tag>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,6 +29,13 @@ Features decode_features(std::string_view bytes);
 
 std::string encode_covisible(const std::vector<Covisible>& list);
 std::vector<Covisible> decode_covisible(std::string_view bytes);
+
+std::string encode_bag(const BagOfWords& bag);
+BagOfWords decode_bag(std::string_view bytes);
+
+/// Numbers of the blocks that hold these points (empty ids: none), ascending, each once.
+std::string encode_blocks_of(const std::vector<MapPointId>& points);
+std::vector<std::uint32_t> decode_blocks(std::string_view bytes);
 
 template <class Tag>
 std::string encode_ids(const std::vector<Id<Tag>>& ids);

@@ -4,6 +4,7 @@
 #include <bit>
 #include <concepts>
 #include <cstdint>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -21,6 +22,12 @@ class Fault : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Why a sound file cannot be used as it was asked for: the wrong key, another program's.
+class Refused : public Fault {
+ public:
+  using Fault::Fault;
+};
+
 /// Bytes to numbers. @throws Fault where the bytes end too early or a number is too large.
 class ByteReader {
  public:
@@ -29,6 +36,11 @@ class ByteReader {
   template <std::unsigned_integral U>
   U fixed() {
     const std::string_view bytes = take(sizeof(U));
+    if constexpr (std::endian::native == std::endian::little) {  // one load instead of eight
+      U value = 0;
+      std::memcpy(&value, bytes.data(), sizeof(U));
+      return value;
+    }
     std::uint64_t value = 0;
     for (std::size_t i = 0; i < sizeof(U); ++i) {
       value |= static_cast<std::uint64_t>(static_cast<std::uint8_t>(bytes[i])) << (8U * i);
@@ -38,6 +50,12 @@ class ByteReader {
   float f32() { return std::bit_cast<float>(fixed<std::uint32_t>()); }
   double f64() { return std::bit_cast<double>(fixed<std::uint64_t>()); }
   std::uint64_t varint(std::uint64_t largest) {
+    if (!rest_.empty() && static_cast<std::uint8_t>(rest_.front()) < 0x80U) {  // most are small
+      const auto value = static_cast<std::uint8_t>(rest_.front());
+      rest_.remove_prefix(1);
+      if (value > largest) throw Fault("a number that is too large");
+      return value;
+    }
     std::uint64_t value = 0;
     for (unsigned shift = 0;; shift += 7U) {
       const auto byte = static_cast<std::uint8_t>(take(1).front());

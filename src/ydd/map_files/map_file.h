@@ -9,6 +9,7 @@
 
 #include "ydd/base/result.h"
 #include "ydd/map/atlas.h"
+#include "ydd/map_files/map_key.h"
 
 /// An atlas in one SQLite file: docs/maps.md has the format, docs/adr/0006-map-files.md the
 /// reasons.
@@ -20,7 +21,10 @@ namespace ydd {
 /// Failure: one line that names the file and says whether it is foreign, cut short, from a newer
 /// version or damaged. The file is never changed, except that a save which was killed half-way is
 /// rolled back by what SQLite left beside it.
-Result<Atlas> load_map(const std::filesystem::path& file);
+///
+/// With a key the file must be encrypted by it, without one plain; so in all functions below.
+/// Failure also: it is not, or SQLCipher is missing.
+Result<Atlas> load_map(const std::filesystem::path& file, const MapKey& key = {});
 
 /// What a look at a map file found.
 struct MapCheck {
@@ -31,7 +35,7 @@ struct MapCheck {
 /// Looks at everything: header, pages of the database, tables, the checksum of every row, their
 /// sum, and whether the atlas fits together (the first thing that does not, and only where all rows
 /// are right). Repairs nothing.
-MapCheck check_map(const std::filesystem::path& file);
+MapCheck check_map(const std::filesystem::path& file, const MapKey& key = {});
 
 /// What a save did.
 struct MapSave {
@@ -59,7 +63,7 @@ class MapWriter {
   /// Does not write yet. Failure: what is there is no map file, is damaged, is from a newer
   /// version, or is being written by another process; or the folder cannot be written to.
   static Result<MapWriter> open(const std::filesystem::path& file,
-                                Replacing replacing = Replacing::lesser);
+                                Replacing replacing = Replacing::lesser, const MapKey& key = {});
 
   /// After a failure the file holds what it held before. Costs as much as has changed since the
   /// snapshot that was saved before, and keeps this one; the first save looks at all of it.
@@ -67,6 +71,7 @@ class MapWriter {
   /// The same for a map that goes on changing: looks at all of it.
   Result<MapSave> save(const Atlas& atlas);
 
+  /// Where it writes, as it was given.
   const std::filesystem::path& file() const { return file_; }
 
   MapWriter(MapWriter&&) noexcept;
@@ -86,7 +91,13 @@ class MapWriter {
 
 /// Saves once.
 Result<void> save_map(const Atlas& atlas, const std::filesystem::path& file,
-                      Replacing replacing = Replacing::lesser);
+                      Replacing replacing = Replacing::lesser, const MapKey& key = {});
+
+/// Writes what is in `file`, row by row, to `out`, which has a key of its own; an empty one makes
+/// it plain. They may be the same file, which then is the old one or the whole new one at any time.
+/// Failure: as load_map; or there is another file at `out`, or somebody is writing.
+Result<void> convert_map(const std::filesystem::path& file, const MapKey& key,
+                         const std::filesystem::path& out, const MapKey& out_key);
 
 /// The file that a save to `file` writes: a link stays, what it leads to is replaced.
 std::filesystem::path map_file_target(const std::filesystem::path& file);

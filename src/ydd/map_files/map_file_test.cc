@@ -243,9 +243,9 @@ TEST_F(MapFileTest, ANewerVersionIsRefusedAndLeftAlone) {
   ASSERT_TRUE(save_map(rich_atlas(40), file_).ok());
   sqlite3* connection = nullptr;
   ASSERT_EQ(sqlite3_open(file_.c_str(), &connection), SQLITE_OK);
-  sqlite3_exec(connection, "PRAGMA user_version = 2", nullptr, nullptr, nullptr);
+  sqlite3_exec(connection, "PRAGMA user_version = 3", nullptr, nullptr, nullptr);
   sqlite3_close(connection);
-  expect_refused(file_, "newer ydd-slam (format 2; this one reads 1)");
+  expect_refused(file_, "newer ydd-slam (format 3; this one reads 2)");
 }
 
 TEST_F(MapFileTest, ATruncatedFileIsRefusedAndLeftAlone) {

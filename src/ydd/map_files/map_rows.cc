@@ -2,17 +2,23 @@
 #include "ydd/map_files/map_rows.h"
 
 #include <algorithm>
+#include <bit>
 #include <string>
 #include <unordered_set>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "ydd/base/checksum.h"
 #include "ydd/base/version.h"
 #include "ydd/map_files/map_blobs.h"
+#include "ydd/map_files/row_values.h"
 
 namespace ydd::map_format {
 namespace {
+
+/// Those whose key is the slot of a keyframe.
+const TableShape* const kKeyframeTables[] = {&kKeyframe, &kFeatures, &kWords, &kPicture};
 
 std::int64_t whole(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
@@ -59,9 +65,14 @@ void put_keyframe(RowSink& sink, KeyFrameId id, const KeyFrame& k, const KeyFram
            {id.slot,
             {whole(id.generation), k.serial, k.frame_index, k.stamp.ns, whole(k.map.slot),
              whole(k.parent.slot), whole(k.parent.generation), encode_pose(k.T_world_camera),
-             encode_covisible(k.covisible), encode_ids(k.loops)}});
+             encode_covisible(k.covisible), encode_ids(k.loops), encode_blocks_of(k.points)}});
   if (!old || old->shared_features != k.shared_features) {
     sink.put(kFeatures, {id.slot, {whole(id.generation), encode_features(k.features())}});
+  }
+  if (!old || old->words != k.words) {
+    const auto words = k.words ? k.words : words_of(k);
+    sink.put(kWords,
+             {id.slot, {whole(id.generation), k.serial, vocabulary_mark(), encode_bag(*words)}});
   }
   if (!k.picture) {
     sink.erase(kPicture, id.slot);
@@ -75,7 +86,7 @@ void put_keyframe(RowSink& sink, KeyFrameId id, const KeyFrame& k, const KeyFram
 }
 
 void erase_keyframe(RowSink& sink, std::uint32_t slot) {
-  for (const TableShape* const table : {&kKeyframe, &kFeatures, &kPicture}) {
+  for (const TableShape* const table : kKeyframeTables) {
     sink.erase(*table, slot);
   }
 }
@@ -113,7 +124,7 @@ void put_all(RowSink& sink, const Atlas& atlas) {
     put_keyframe(sink, id, keyframe, nullptr);
     keyframes.insert(id.slot);
   });
-  for (const TableShape* const table : {&kKeyframe, &kFeatures, &kPicture}) {
+  for (const TableShape* const table : kKeyframeTables) {
     sink.erase_unless(*table, [&](std::int64_t key) { return keyframes.contains(key); });
   }
   atlas.culled().for_each([&](KeyFrameId id, const CulledKeyFrame& value) {
@@ -164,6 +175,21 @@ void put_atlas_row(Database& database, const Atlas& atlas, std::uint64_t digest)
 }
 
 }  // namespace
+
+std::int64_t vocabulary_mark() {
+  static const std::uint64_t mark = [] {
+    const VocabularyTree& tree = builtin_vocabulary();
+    Checksum sum;
+    sum.add(static_cast<std::uint64_t>(tree.branching));
+    sum.add(static_cast<std::uint64_t>(tree.levels));
+    for (const Descriptor& node : tree.nodes) {
+      for (const std::uint64_t word : node) sum.add(word);
+    }
+    for (const float weight : tree.leaf_weights) sum.add(std::bit_cast<std::uint32_t>(weight));
+    return sum.value();
+  }();
+  return whole(mark);
+}
 
 void HeldRows::put(const TableShape& table, std::int64_t key, std::uint64_t checksum) {
   const auto [entry, is_new] = tables_[&table].try_emplace(key, checksum);

@@ -45,8 +45,16 @@ void make_schema(Database& database);
 std::int64_t write_rows(Database& database, const Atlas& atlas, const Atlas* before,
                         HeldRows& held);
 
-/// The map in a file and the rows that it was read from. @throws Fault as load_map fails, without
-/// the name.
-std::pair<Atlas, HeldRows> read_rows(const std::filesystem::path& file);
+/// A map and the rows that it was read from.
+struct ReadMap {
+  Atlas atlas;
+  HeldRows rows;
+  std::int64_t version = kVersion;  ///< of the file
+};
+/// The map in a file. @throws Fault as load_map fails, without the name.
+ReadMap read_rows(const std::filesystem::path& file, const MapKey& key = {});
+
+/// Which words the words of a row are: another vocabulary has another mark.
+std::int64_t vocabulary_mark();
 
 }  // namespace ydd::map_format

@@ -92,10 +92,10 @@ fs::path previous_of(const fs::path& file) { return file.string() + ".previous";
 
 /// Gives the file a second name, so that it stays when the first is given to another; true if it
 /// has it now. A larger map that has that name already keeps it.
-bool keep_previous(const fs::path& file, const Holding& old) {
+bool keep_previous(const fs::path& file, const Holding& old, const MapKey& key) {
   const fs::path previous = previous_of(file);
   if (fs::exists(fs::symlink_status(previous))) {
-    const Result<Atlas> before = load_map(previous);
+    const Result<Atlas> before = load_map(previous, key);
     if (!before) {
       throw Fault(fmt::format("its map cannot be kept as {}, as something else is there; move it",
                               previous.string()));
@@ -124,6 +124,7 @@ Error failure(const fs::path& file, const char* reason) {
 }  // namespace
 
 struct MapWriter::State {
+  MapKey key;
   std::optional<FileLock> lock;  ///< of the file that is there; outlives the connection
   std::optional<Database> database;
   HeldRows rows;  ///< of the file; none: not known
@@ -145,23 +146,26 @@ MapWriter::MapWriter(MapWriter&&) noexcept = default;
 MapWriter& MapWriter::operator=(MapWriter&&) noexcept = default;
 MapWriter::~MapWriter() = default;
 
-Result<MapWriter> MapWriter::open(const fs::path& file, Replacing replacing) {
+Result<MapWriter> MapWriter::open(const fs::path& file, Replacing replacing, const MapKey& key) {
   try {
     // A link stays a link: what it leads to is replaced. Absolute first: the canonical path of a
     // file that is not there yet would stay relative.
     const fs::path target = map_file_target(file);
     auto state = std::make_unique<State>();
     state->replace = replacing == Replacing::anything;
+    state->key = key;
+    if (key) (void)map_format::cipher_sqlite();  // now, not at the end of a run
     if (::access(folder_of(target).c_str(), W_OK | X_OK) != 0) {
       throw Fault("its folder is not there, or cannot be written to");
     }
     if (fs::exists(target)) {
-      map_format::check_header(target);
-      map_format::recover(target);
+      map_format::check_header(target, key);
+      map_format::recover(target, key);
       state->lock = take_lock(target, false);
-      auto [held, rows] = map_format::read_rows(target);
-      state->held = holding_of(held);
-      state->rows = std::move(rows);
+      map_format::ReadMap read = map_format::read_rows(target, key);
+      state->held = holding_of(read.atlas);
+      // Rows of an earlier version are not gone on with: the first save writes all anew.
+      if (read.version == map_format::kVersion) state->rows = std::move(read.rows);
     }
     return MapWriter(target, std::move(state));
   } catch (const std::exception& fault) {
@@ -210,8 +214,8 @@ MapSave MapWriter::save_whole(const Atlas& atlas, bool lesser) {
   state_->database.reset();
   if (state_->lock && !state_->lock->is_named(file_)) state_->lock.reset();
   if (fs::exists(file_)) {  // somebody may have put something else there since
-    map_format::check_header(file_);
-    map_format::recover(file_);
+    map_format::check_header(file_, state_->key);
+    map_format::recover(file_, state_->key);
     if (!state_->lock) state_->lock = take_lock(file_, false);
   }
   Result<FreshFile> fresh = FreshFile::make(file_, ".new");
@@ -220,7 +224,7 @@ MapSave MapWriter::save_whole(const Atlas& atlas, bool lesser) {
   state_->rows.clear();
   std::int64_t rows = 0;
   {
-    Database database(fresh->path(), Database::Mode::create);
+    Database database(fresh->path(), Database::Mode::create, state_->key);
     database.run("BEGIN");
     map_format::make_schema(database);
     rows = map_format::write_rows(database, atlas, nullptr, state_->rows);
@@ -230,17 +234,17 @@ MapSave MapWriter::save_whole(const Atlas& atlas, bool lesser) {
   if (lesser) {
     // One that is of an earlier day is not this writer's to take away.
     const bool mine = state_->previous || !fs::exists(fs::symlink_status(previous_of(file_)));
-    if (keep_previous(file_, state_->held) && mine) state_->previous = state_->held;
+    if (keep_previous(file_, state_->held, state_->key) && mine) state_->previous = state_->held;
   }
   if (const Result<void> placed = fresh->place(); !placed) throw Fault(placed.error().message);
   flush_folder(folder_of(file_));
   state_->lock = std::move(lock);
-  state_->database.emplace(file_, Database::Mode::write);
+  state_->database.emplace(file_, Database::Mode::write, state_->key);
   return {true, rows};
 }
 
 MapSave MapWriter::save_changes(const Atlas& atlas, const Atlas* before) {
-  if (!state_->database) state_->database.emplace(file_, Database::Mode::write);
+  if (!state_->database) state_->database.emplace(file_, Database::Mode::write, state_->key);
   Database& database = *state_->database;
   database.run("BEGIN IMMEDIATE");
   const std::int64_t rows = map_format::write_rows(database, atlas, before, state_->rows);
@@ -252,8 +256,9 @@ fs::path map_file_target(const fs::path& file) {
   return fs::weakly_canonical(follow_links(fs::absolute(file)));
 }
 
-Result<void> save_map(const Atlas& atlas, const fs::path& file, Replacing replacing) {
-  Result<MapWriter> writer = MapWriter::open(file, replacing);
+Result<void> save_map(const Atlas& atlas, const fs::path& file, Replacing replacing,
+                      const MapKey& key) {
+  Result<MapWriter> writer = MapWriter::open(file, replacing, key);
   if (!writer) return writer.error();
   if (const Result<MapSave> saved = writer->save(atlas); !saved) return saved.error();
   return {};

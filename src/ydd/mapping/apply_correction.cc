@@ -2,6 +2,10 @@
 #include "ydd/mapping/apply_correction.h"
 
 #include <algorithm>
+#include <functional>
+#include <map>
+#include <memory>
+#include <utility>
 
 #include "ydd/mapping/fuse.h"
 
@@ -21,17 +25,23 @@ KeyFrameId corrected_ancestor(const Atlas& atlas, const Correction& correction, 
   return id;
 }
 
-/// World motion of each keyframe, by slot; nothing for those that stay.
+/// World motion of a keyframe; nothing if it stays.
+std::optional<SE3> motion(const Atlas& atlas, const Correction& correction, KeyFrameId id) {
+  const KeyFrameId ancestor = corrected_ancestor(atlas, correction, id);
+  if (!ancestor.valid()) return std::nullopt;
+  return correction.T_world_keyframe.at(ancestor) * atlas.at(ancestor).T_world_camera.inverse();
+}
+
+/// The same of each keyframe, by slot.
 std::vector<std::optional<SE3>> motions(const Atlas& atlas, const Correction& correction) {
   std::vector<std::optional<SE3>> T_new_old(atlas.keyframes().slots());
   for (const KeyFrameId id : atlas.keyframes().ids()) {
-    const KeyFrameId ancestor = corrected_ancestor(atlas, correction, id);
-    if (!ancestor.valid()) continue;
-    T_new_old[id.slot] =
-        correction.T_world_keyframe.at(ancestor) * atlas.at(ancestor).T_world_camera.inverse();
+    T_new_old[id.slot] = motion(atlas, correction, id);
   }
   return T_new_old;
 }
+
+using MotionOf = std::function<std::optional<SE3>(KeyFrameId)>;
 
 std::vector<KeyFrameId> surroundings(const Atlas& atlas, KeyFrameId centre) {
   std::vector<KeyFrameId> out{centre};
@@ -82,19 +92,13 @@ void join_maps(Atlas& atlas, const Correction::Junction& junction) {
   atlas.reroot(junction.current, junction.matched);
 }
 
-}  // namespace
-
-void apply_correction(Atlas& atlas, const Correction& correction) {
-  const std::vector<std::optional<SE3>> T_new_old = motions(atlas, correction);
-  std::vector<KeyFrameId> moved;
-  for (const KeyFrameId id : atlas.keyframes().ids()) {
-    if (T_new_old[id.slot]) moved.push_back(id);
-  }
-  const std::vector<MapPointId> touched = touched_points(atlas, moved, correction);
+/// Moves those keyframes by their motion, and those points by that of whoever saw them first.
+void move_these(Atlas& atlas, const Correction& correction, const std::vector<KeyFrameId>& moved,
+                const std::vector<MapPointId>& touched, const MotionOf& T_new_old) {
   for (const MapPointId id : touched) {
     const MapPoint& point = atlas.at(id);
     const auto placed = correction.p_world.find(id);
-    const auto& motion = T_new_old[point.observations.front().keyframe.slot];
+    const auto motion = T_new_old(point.observations.front().keyframe);
     if (placed != correction.p_world.end()) {
       atlas.set_position(id, placed->second);
     } else if (motion) {
@@ -102,9 +106,74 @@ void apply_correction(Atlas& atlas, const Correction& correction) {
     }
   }
   for (const KeyFrameId id : moved) {
-    atlas.set_pose(id, *T_new_old[id.slot] * atlas.at(id).T_world_camera);
+    atlas.set_pose(id, *T_new_old(id) * atlas.at(id).T_world_camera);
   }
   for (const MapPointId id : touched) atlas.refresh_point(id);
+}
+
+void move_all(Atlas& atlas, const Correction& correction) {
+  const std::vector<std::optional<SE3>> T_new_old = motions(atlas, correction);
+  std::vector<KeyFrameId> moved;
+  for (const KeyFrameId id : atlas.keyframes().ids()) {
+    if (T_new_old[id.slot]) moved.push_back(id);
+  }
+  move_these(atlas, correction, moved, touched_points(atlas, moved, correction),
+             [&](KeyFrameId id) { return T_new_old[id.slot]; });
+}
+
+/// Motions in the atlas as it was before anything moved.
+class Motions {
+ public:
+  Motions(std::shared_ptr<const Atlas> was, const Correction& correction)
+      : was_(std::move(was)), correction_(correction) {}
+
+  std::optional<SE3> operator()(KeyFrameId id) {
+    const auto [entry, is_new] = known_.try_emplace(id);
+    if (is_new) entry->second = motion(*was_, correction_, id);
+    return entry->second;
+  }
+
+ private:
+  std::shared_ptr<const Atlas> was_;
+  const Correction& correction_;
+  std::map<KeyFrameId, std::optional<SE3>> known_;
+};
+
+/// Most of the map is moved already; what is newer than that has to follow.
+void apply_prepared(Atlas& atlas, const Correction& correction) {
+  Motions motion_of(atlas.snapshot(), correction);
+  Atlas::Newer newer =
+      atlas.adopt_places(*correction.prepared->before, *correction.prepared->after);
+  std::erase_if(newer.keyframes, [&](KeyFrameId id) { return !motion_of(id); });
+  // Descriptors and viewing directions of what moving keyframes see depend on where these stand.
+  std::erase_if(newer.points, [&](MapPointId id) {
+    const auto& all = atlas.at(id).observations;
+    return !correction.p_world.contains(id) &&
+           std::none_of(all.begin(), all.end(),
+                        [&](const auto& o) { return motion_of(o.keyframe); });
+  });
+  move_these(atlas, correction, newer.keyframes, newer.points, std::ref(motion_of));
+  std::vector<MapPointId> seen = points_seen_by(atlas, newer.keyframes);
+  std::erase_if(seen, [&](MapPointId id) {
+    return std::binary_search(newer.points.begin(), newer.points.end(), id);
+  });
+  for (const MapPointId id : seen) atlas.refresh_point(id);
+}
+
+}  // namespace
+
+void apply_correction(Atlas& atlas, const Correction& correction) {
+  if (correction.prepared) {
+    apply_prepared(atlas, correction);
+  } else {
+    move_all(atlas, correction);
+  }
+}
+
+void prepare_correction(std::shared_ptr<const Atlas> before, Correction& correction) {
+  auto after = std::make_shared<Atlas>(before->fork());
+  move_all(*after, correction);
+  correction.prepared = Correction::Prepared{std::move(before), std::move(after)};
 }
 
 void merge_at(Atlas& atlas, const Correction::Junction& junction, double radius_px,

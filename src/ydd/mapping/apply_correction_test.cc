@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "ydd/map/map_dump.h"
 #include "ydd/map/world_testing.h"
 
 namespace ydd {
@@ -154,6 +155,75 @@ TEST(MergeAt, LeavesTheMapAloneWhenASideIsGone) {
   const std::uint64_t revision = atlas.revision();
   merge_at(atlas, junction, 3.0, 15, MatchLimits());
   EXPECT_EQ(atlas.revision(), revision);
+}
+
+/// Moves each of the first keyframes differently, as a pose graph does.
+Correction bent(const Atlas& atlas, const std::vector<KeyFrameId>& ids) {
+  Correction correction;
+  correction.revision = atlas.revision();
+  correction.newcomers_from = atlas.next_serial();
+  for (std::size_t i = 0; i + 1 < ids.size(); ++i) {
+    Vector6d twist;
+    twist << 0.05 * static_cast<double>(i), 0.02, -0.01, 0.004, 0.0, 0.01;
+    correction.T_world_keyframe[ids[i]] = SE3::exp(twist) * atlas.at(ids[i]).T_world_camera;
+  }
+  return correction;
+}
+
+TEST(PreparedCorrection, OfAMapThatHasNotChangedIsAppliedBitByBitAsWithoutIt) {
+  CorrectedScene scene(6), again(6);
+  Correction correction = bent(scene.built.atlas, scene.built.keyframes);
+  apply_correction(scene.built.atlas, correction);
+  const auto before = again.built.atlas.snapshot();
+  const std::string dump = dump_map(*before);
+  prepare_correction(before, correction);
+  apply_correction(again.built.atlas, correction);
+  EXPECT_EQ(dump_map(again.built.atlas), dump_map(scene.built.atlas));
+  EXPECT_EQ(dump_map(*before), dump) << "the snapshot stays as it was";
+  EXPECT_TRUE(again.built.atlas.check_consistency().empty());
+}
+
+TEST(PreparedCorrection, MovesWhatHasChangedMeanwhileLikeTheRest) {
+  CorrectedScene scene(6), again(6);
+  const auto& ids = scene.built.keyframes;
+  Correction correction = bent(scene.built.atlas, ids);
+  Correction prepared = correction;
+  prepare_correction(again.built.atlas.snapshot(), prepared);
+  // Meanwhile the mapper refines one keyframe, moves a point, takes another out and adds a
+  // keyframe.
+  const auto go_on = [&](Atlas& atlas) {
+    Vector6d twist;
+    twist << 0.001, 0, 0, 0, 0.001, 0;
+    const MapPointId refined = atlas.points().ids()[20];
+    atlas.set_position(refined, atlas.at(refined).p_world + Eigen::Vector3d(0.01, 0, 0));
+    atlas.remove_point(atlas.points().ids()[10]);
+    atlas.set_pose(ids[2], SE3::exp(twist) * atlas.at(ids[2]).T_world_camera);
+    KeyFrame newcomer = keyframe_of(look(scene.world, hand_held(1.3)), 50);
+    newcomer.map = atlas.at(ids[0]).map;
+    newcomer.parent = ids[2];
+    const KeyFrameId added = atlas.add_keyframe(std::move(newcomer));
+    return atlas.add_point({0.3, 0.2, 2.0}, added, 0);
+  };
+  const MapPointId point = go_on(scene.built.atlas);
+  ASSERT_EQ(go_on(again.built.atlas), point);
+  apply_correction(scene.built.atlas, correction);
+  apply_correction(again.built.atlas, prepared);
+  const Atlas& a = scene.built.atlas;
+  const Atlas& b = again.built.atlas;
+  EXPECT_TRUE(b.check_consistency().empty());
+  EXPECT_LT((a.at(point).p_world - b.at(point).p_world).norm(), 1e-12);
+  for (const KeyFrameId id : a.keyframes().ids()) {
+    EXPECT_EQ(a.at(id).T_world_camera.matrix(), b.at(id).T_world_camera.matrix());
+  }
+  ASSERT_EQ(a.points().ids(), b.points().ids());
+  a.points().for_each([&](MapPointId id, const MapPoint& p) {
+    EXPECT_EQ(p.observations, b.at(id).observations);
+    EXPECT_EQ(p.descriptor, b.at(id).descriptor);
+    // Points that the refined keyframe saw first lie as the snapshot saw them from there.
+    const bool by_refined = p.observations.front().keyframe == ids[2];
+    EXPECT_LT((p.p_world - b.at(id).p_world).norm(), by_refined ? 0.01 : 1e-12);
+    EXPECT_LT((p.normal - b.at(id).normal).norm(), 0.01);
+  });
 }
 
 }  // namespace

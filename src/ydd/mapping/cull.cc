@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/mapping/cull.h"
 
+#include <cmath>
+
 namespace ydd {
 namespace {
 
@@ -41,6 +43,36 @@ bool is_redundant(const Atlas& atlas, KeyFrameId id, const CullOptions& options)
   return redundant > options.redundant_share * points;
 }
 
+/// What the map would lose with a keyframe: the share of each of its points that is its own, by how
+/// often the point is found when it should be. Points that few frames asked for count little.
+double worth_of(const Atlas& atlas, const KeyFrame& keyframe) {
+  constexpr double kUnproven = 10.0;  // frames
+  double worth = 0;
+  for (const MapPointId id : keyframe.points) {
+    if (!id.valid()) continue;
+    const MapPoint& point = atlas.at(id);
+    worth += point.found /
+             ((point.visible + kUnproven) * static_cast<double>(point.observations.size()));
+  }
+  return worth;
+}
+
+/// Those around `newest`, itself included, that look its way from where it stands.
+std::vector<KeyFrameId> same_place(const Atlas& atlas, KeyFrameId newest,
+                                   const CullOptions& options) {
+  const KeyFrame& centre = atlas.at(newest);
+  std::vector<KeyFrameId> out{newest};
+  for (const Covisible& c : centre.covisible) {
+    const SE3 T_centre_other =
+        centre.T_world_camera.inverse() * atlas.at(c.keyframe).T_world_camera;
+    if (T_centre_other.translation().norm() <= options.place_radius_m &&
+        T_centre_other.angle_rad() <= options.place_rotation_rad) {
+      out.push_back(c.keyframe);
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 void CullOptions::describe(OptionTable& t) {
@@ -56,6 +88,11 @@ void CullOptions::describe(OptionTable& t) {
         "share of points seen elsewhere above which a keyframe is redundant");
   t.add("redundant_observations", redundant_observations, {1, 20}, "",
         "other keyframes that must see a point for that");
+  t.add("place_keyframes", place_keyframes, {1, 1000}, "keyframes",
+        "where a place is seen again, so many may stay in it");
+  t.add("place_radius_m", place_radius_m, {0.0, 10.0}, "m", "how far a place reaches");
+  t.add("place_rotation_rad", place_rotation_rad, {0.0, 3.2}, "rad",
+        "keyframes of one place look at most so far apart");
 }
 
 int cull_recent_points(Atlas& atlas, std::vector<MapPointId>& recent, KeyFrameId newest,
@@ -98,6 +135,31 @@ int cull_redundant_keyframes(Atlas& atlas, KeyFrameId newest, const CullOptions&
   for (const Covisible& c : neighbours) {
     if (atlas.is_first(c.keyframe) || !is_redundant(atlas, c.keyframe, options)) continue;
     atlas.cull_keyframe(c.keyframe);
+    ++culled;
+  }
+  return culled;
+}
+
+int cull_crowded_place(Atlas& atlas, KeyFrameId newest, const CullOptions& options) {
+  std::vector<KeyFrameId> place = same_place(atlas, newest, options);
+  const Timestamp now = atlas.at(newest).stamp;
+  const auto is_of_this_visit = [&](KeyFrameId id) {
+    return std::abs(seconds_between(atlas.at(id).stamp, now)) < options.revisit_s;
+  };
+  int culled = 0;
+  while (static_cast<int>(place.size()) > options.place_keyframes) {
+    auto least = place.end();
+    double least_worth = 0;
+    for (auto it = place.begin(); it != place.end(); ++it) {
+      if (is_of_this_visit(*it) || atlas.is_first(*it)) continue;
+      const double worth = worth_of(atlas, atlas.at(*it));
+      if (least != place.end() && worth >= least_worth) continue;
+      least = it;
+      least_worth = worth;
+    }
+    if (least == place.end()) break;
+    atlas.cull_keyframe(*least);
+    place.erase(least);
     ++culled;
   }
   return culled;

@@ -17,7 +17,11 @@ struct CullOptions {
   int min_observations = 2;
   double redundant_share = 0.9;
   int redundant_observations = 3;
+  int place_keyframes = 4;
+  double place_radius_m = 0.35;
+  double place_rotation_rad = 0.26;
   double close_depth_m = 3.0;  ///< SystemOptions sets it
+  double revisit_s = 60.0;     ///< SystemOptions sets it
   void describe(OptionTable& table);
 };
 
@@ -35,5 +39,15 @@ int cull_contradicted_points(Atlas& atlas, std::span<const PointViews> views,
 /// Removes keyframes around `newest` most of whose near points at least three others see at the
 /// same or a finer scale. Gives how many went.
 int cull_redundant_keyframes(Atlas& atlas, KeyFrameId newest, const CullOptions& options);
+
+/// Where places are seen again: keeps the number of keyframes around `newest` that look its way to
+/// `place_keyframes`, by removing those of earlier visits whose points are found least, for how
+/// often they should be, and have most other witnesses. Keyframes of this visit stay: what they are
+/// worth is not known yet. Does nothing where all keyframes are of one visit. Gives how many went.
+///
+/// A budget for a place that the most often matched share, whatever light they saw it in, is the
+/// idea of summary maps: Muehlfellner, Buerki, Bosse, Derendarz, Philippsen and Furgale, "Summary
+/// maps for lifelong visual localization", Journal of Field Robotics 2016.
+int cull_crowded_place(Atlas& atlas, KeyFrameId newest, const CullOptions& options);
 
 }  // namespace ydd

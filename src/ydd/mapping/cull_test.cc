@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/mapping/cull.h"
 
+#include <map>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -118,6 +120,86 @@ TEST(CullRedundantKeyframes, OnlyNearPointsCount) {
   options.depth_reading_m = 0;  // no reading at all: nothing can be said
   BuiltMap built = same_place(8, options);
   EXPECT_EQ(cull_redundant_keyframes(built.atlas, built.keyframes[7], {}), 0);
+}
+
+/// Views from one place, each on a visit of its own and with points of its own.
+struct Visits {
+  PointWorld world = make_world(900, 31);
+  Atlas atlas{world.camera, world.scales};
+  std::vector<KeyFrameId> keyframes;
+  explicit Visits(int n, double apart_s = 3600.0) {
+    const MapId map = atlas.new_map();
+    for (int v = 0; v < n; ++v) {
+      ViewOptions options;
+      options.points = 500;
+      const View view = look(world, hand_held(0.02 * v), options);
+      KeyFrame keyframe = testing_world::keyframe_of(view, v);
+      keyframe.map = map;
+      keyframe.stamp.ns += static_cast<std::int64_t>(apart_s * 1e9) * v;
+      const KeyFrameId id = atlas.add_keyframe(std::move(keyframe));
+      for (std::size_t k = 0; k < view.shown.size(); ++k) link(view, k, id);
+      atlas.refresh_covisibility(id, 15);
+      keyframes.push_back(id);
+    }
+  }
+  /// Every third point is shared by all views.
+  void link(const View& view, std::size_t k, KeyFrameId id) {
+    const int shown = view.shown[k];
+    const Eigen::Vector3d p_world(0.01 * shown, 0, 3);
+    if (shown % 3 != 0) {
+      atlas.add_point(p_world, id, static_cast<int>(k));
+      return;
+    }
+    const auto known = shared.find(shown);
+    if (known == shared.end()) {
+      shared[shown] = atlas.add_point(p_world, id, static_cast<int>(k));
+    } else {
+      atlas.add_observation(known->second, id, static_cast<int>(k));
+    }
+  }
+  void count_own_points(std::size_t keyframe, int visible, int found) {
+    const std::vector<MapPointId> points = atlas.at(keyframes[keyframe]).points;
+    for (const MapPointId id : points) {
+      if (id.valid() && atlas.at(id).observations.size() == 1) {
+        atlas.count_views(id, visible, found);
+      }
+    }
+  }
+  std::map<int, MapPointId> shared;
+};
+
+TEST(CullCrowdedPlace, TheLeastUsefulOfEarlierVisitsGo) {
+  Visits visits(7);
+  for (std::size_t i = 0; i < 7; ++i) visits.count_own_points(i, 100, i == 3 || i == 4 ? 1 : 90);
+  CullOptions options;
+  options.place_keyframes = 5;
+  EXPECT_EQ(cull_crowded_place(visits.atlas, visits.keyframes[6], options), 2);
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_EQ(visits.atlas.find(visits.keyframes[i]) == nullptr, i == 3 || i == 4) << i;
+  }
+  EXPECT_THAT(visits.atlas.check_consistency(), IsEmpty());
+}
+
+TEST(CullCrowdedPlace, TheFirstOfTheMapAndThoseOfThisVisitStay) {
+  Visits visits(7);
+  CullOptions options;
+  options.place_keyframes = 1;
+  EXPECT_EQ(cull_crowded_place(visits.atlas, visits.keyframes[6], options), 5);
+  EXPECT_NE(visits.atlas.find(visits.keyframes[0]), nullptr);
+  EXPECT_NE(visits.atlas.find(visits.keyframes[6]), nullptr);
+  EXPECT_THAT(visits.atlas.check_consistency(), IsEmpty());
+}
+
+TEST(CullCrowdedPlace, OneVisitHasNoBudget) {
+  Visits visits(9, 0.1);
+  EXPECT_EQ(cull_crowded_place(visits.atlas, visits.keyframes[8], {}), 0);
+}
+
+TEST(CullCrowdedPlace, OtherPlacesAreLeftAlone) {
+  Visits visits(7);
+  CullOptions options;
+  options.place_radius_m = 0;
+  EXPECT_EQ(cull_crowded_place(visits.atlas, visits.keyframes[6], options), 0);
 }
 
 }  // namespace

@@ -8,10 +8,14 @@ namespace ydd {
 namespace {
 
 void add_free_poses(const Atlas& atlas, KeyFrameId centre, const LocalBundleOptions& options,
-                    PoseIndex& index, GatheredBundle& gathered) {
+                    std::span<const KeyFrameId> along, PoseIndex& index, GatheredBundle& gathered) {
   add_pose(atlas, centre, atlas.is_first(centre), index, gathered);
+  for (const KeyFrameId id : along) {
+    if (!index.has(id)) add_pose(atlas, id, atlas.is_first(id), index, gathered);
+  }
   for (const Covisible& c : atlas.at(centre).covisible) {
     if (static_cast<int>(gathered.keyframes.size()) >= options.max_free_keyframes) break;
+    if (index.has(c.keyframe)) continue;
     add_pose(atlas, c.keyframe, atlas.is_first(c.keyframe), index, gathered);
   }
 }
@@ -53,10 +57,11 @@ void LocalBundleOptions::describe(OptionTable& t) {
 }
 
 GatheredBundle gather_local_bundle(const Atlas& atlas, KeyFrameId keyframe,
-                                   const LocalBundleOptions& options) {
+                                   const LocalBundleOptions& options,
+                                   std::span<const KeyFrameId> along) {
   GatheredBundle gathered;
   PoseIndex index(atlas);
-  add_free_poses(atlas, keyframe, options, index, gathered);
+  add_free_poses(atlas, keyframe, options, along, index, gathered);
   add_points(atlas, gathered);
   int fixed = 0;
   for (const KeyFrameId id : outside_keyframes(atlas, gathered, index)) {

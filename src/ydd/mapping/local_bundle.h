@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+
 #include "ydd/matching/gathered_bundle.h"
 
 namespace ydd {
@@ -14,9 +16,11 @@ struct LocalBundleOptions {
 };
 
 /// The keyframe and those that share most points with it are free, all points they see are free,
-/// other keyframes that see these points hold the frame of reference.
+/// other keyframes that see these points hold the frame of reference. Those of `along` are free,
+/// too.
 GatheredBundle gather_local_bundle(const Atlas& atlas, KeyFrameId keyframe,
-                                   const LocalBundleOptions& options);
+                                   const LocalBundleOptions& options,
+                                   std::span<const KeyFrameId> along = {});
 
 /// Writes solved poses and points into the atlas and unlinks observations judged outliers.
 void apply_bundle(Atlas& atlas, const GatheredBundle& gathered, const BundleResult& result);

@@ -11,6 +11,7 @@ namespace ydd {
 
 void MapperOptions::describe(OptionTable& t) {
   t.group("bundle", bundle);
+  t.group("inertial", inertial);
   t.group("cull", cull);
   t.group("triangulation", triangulation);
   t.group("match", match);
@@ -27,7 +28,13 @@ Mapper::Mapper(const Camera& camera, const PyramidScales& scales, const MapperOp
     : Mapper(Atlas(camera, scales), options) {}
 
 Mapper::Mapper(Atlas atlas, const MapperOptions& options)
-    : options_(options), atlas_(std::move(atlas)) {}
+    : options_(options), atlas_(std::move(atlas)), inertial_(options.inertial) {
+  // What was on probation when the map was saved still is.
+  const std::int64_t from = atlas_.next_serial() - 1 - options_.cull.probation_keyframes;
+  atlas_.points().for_each([&](MapPointId id, const MapPoint& point) {
+    if (point.born >= from) recent_points_.push_back(id);
+  });
+}
 
 MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token stop) {
   MapperReport report;
@@ -37,6 +44,7 @@ MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token
   };
   const KeyFrameId id = report.keyframe =
       timed("insert_keyframe", [&] { return insert(candidate); });
+  if (options_.inertial.enabled) inertial_.enter(atlas_, id, candidate.imu);
   report.points_culled = timed("cull_points", [&] {
     return cull_contradicted_points(atlas_, candidate.views, options_.cull) +
            cull_recent_points(atlas_, recent_points_, id, options_.cull);
@@ -55,12 +63,18 @@ MapperReport Mapper::process(const KeyFrameCandidate& candidate, std::stop_token
   });
   timed("local_bundle", [&] {
     if (atlas_.keyframes().size() < 2) return;
-    const GatheredBundle gathered = gather_local_bundle(atlas_, id, options_.bundle);
-    apply_bundle(atlas_, gathered,
-                 solve_bundle(atlas_.camera(), gathered.problem, options_.bundle.solver, stop));
+    const std::vector<KeyFrameId> along = inertial_.keyframes();
+    GatheredBundle gathered = gather_local_bundle(atlas_, id, options_.bundle, along);
+    gathered.problem.inertial = inertial_.problem(gathered);
+    const BundleResult result =
+        solve_bundle(atlas_.camera(), gathered.problem, options_.bundle.solver, stop);
+    apply_bundle(atlas_, gathered, result);
+    inertial_.take(gathered, result);
   });
-  report.keyframes_culled =
-      timed("cull_keyframes", [&] { return cull_redundant_keyframes(atlas_, id, options_.cull); });
+  report.keyframes_culled = timed("cull_keyframes", [&] {
+    const int redundant = cull_redundant_keyframes(atlas_, id, options_.cull);
+    return redundant + cull_crowded_place(atlas_, id, options_.cull);
+  });
   return report;
 }
 
@@ -73,7 +87,9 @@ Applied Mapper::apply(const Correction& correction) {
     }
   }
   const bool moved_on = atlas_.revision() != correction.revision;
+  const std::vector<Eigen::Quaterniond> before = inertial_.rotations(atlas_);
   apply_correction(atlas_, correction);
+  inertial_.turned(before, atlas_);
   if (correction.junction) {
     merge_at(atlas_, *correction.junction, options_.fuse_radius_px, options_.min_covisible_weight,
              options_.match);

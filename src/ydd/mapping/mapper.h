@@ -13,6 +13,7 @@
 #include "ydd/map/atlas.h"
 #include "ydd/map/correction.h"
 #include "ydd/mapping/cull.h"
+#include "ydd/mapping/inertial_window.h"
 #include "ydd/mapping/local_bundle.h"
 #include "ydd/mapping/triangulate.h"
 #include "ydd/matching/keyframe_candidate.h"
@@ -22,6 +23,7 @@ namespace ydd {
 /// The settings of each step of mapping.
 struct MapperOptions {
   LocalBundleOptions bundle;
+  InertialOptions inertial;
   CullOptions cull;
   TriangulationOptions triangulation;
   MatchLimits match;
@@ -35,13 +37,13 @@ struct MapperOptions {
 
 /// What one keyframe did to the map.
 struct MapperReport {
-  KeyFrameId keyframe;
-  int points_from_depth = 0;
-  int points_triangulated = 0;
-  int points_fused = 0;
-  int points_culled = 0;
-  int keyframes_culled = 0;
-  StageTimes times;
+  KeyFrameId keyframe;          ///< in the map that it was inserted into
+  int points_from_depth = 0;    ///< points created of depth readings
+  int points_triangulated = 0;  ///< points created from two keyframes' views
+  int points_fused = 0;         ///< points that turned out to be others
+  int points_culled = 0;        ///< recent points that were not seen again
+  int keyframes_culled = 0;     ///< keyframes whose points enough others see
+  StageTimes times;             ///< of its steps, in order
 };
 
 /// What became of a correction whose map may have moved on since it was computed.
@@ -58,6 +60,7 @@ enum class Applied {
 /// Thread: one. Deterministic as long as no stop is requested.
 class Mapper {
  public:
+  /// Starts with an empty map.
   Mapper(const Camera& camera, const PyramidScales& scales, const MapperOptions& options);
   /// Goes on with a map that was made before.
   Mapper(Atlas atlas, const MapperOptions& options);
@@ -70,6 +73,7 @@ class Mapper {
 
   /// The map as it is, immutable.
   std::shared_ptr<const Atlas> snapshot() { return atlas_.snapshot(); }
+  /// The map as it is, until the next call changes it.
   const Atlas& atlas() const { return atlas_; }
   /// The map itself, when nothing more is to be mapped.
   Atlas take_atlas() && { return std::move(atlas_); }
@@ -81,6 +85,7 @@ class Mapper {
 
   MapperOptions options_;
   Atlas atlas_;
+  InertialWindow inertial_;
   std::vector<MapPointId> recent_points_;  ///< created lately, on probation
   /// The revision at which a map was last moved as a whole.
   std::map<MapId, std::uint64_t> corrected_;

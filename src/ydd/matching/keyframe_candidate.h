@@ -21,6 +21,7 @@ struct KeyFrameCandidate {
   KeyFrameId reference;    ///< empty: it starts a new map
   SE3 T_reference_camera;  ///< the pose to keep if the reference has moved meanwhile
   std::vector<PointViews> views;
+  std::vector<ImuSample> imu = {};  ///< since the last one that mapping took; SlamSystem fills it
 };
 
 }  // namespace ydd

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "ydd/optimization/bundle_inertial.h"
 #include "ydd/optimization/bundle_linearise.h"
 #include "ydd/optimization/bundle_schur.h"
 
@@ -25,6 +26,7 @@ State moved(const Layout& layout, const State& state, const bundle::Step& step) 
     T = SE3::exp(step.poses[c]) * T;
   }
   for (int j = 0; j < layout.points(); ++j) next.points[j] += step.points[j];
+  if (layout.inertial) next.inertial = bundle::moved(layout, state.inertial, step.border);
   return next;
 }
 
@@ -53,12 +55,13 @@ struct Phase {
 class Minimiser {
  public:
   Minimiser(const Camera& camera, const Layout& layout, double relative_decrease,
-            std::stop_token stop)
+            std::stop_token stop, BundleWatch watch)
       : k_(camera),
         layout_(layout),
         solver_(layout),
         relative_decrease_(relative_decrease),
-        stop_(std::move(stop)) {}
+        stop_(std::move(stop)),
+        watch_(std::move(watch)) {}
 
   Phase run(State state, const Flags& active, const Loss& loss, int most_iterations) {
     constexpr double kRounding = 1e-12;
@@ -66,7 +69,9 @@ class Minimiser {
     Damping damping;
     Phase phase{std::move(state), 0};
     bool linearised = false;
-    while (phase.iterations < most_iterations && !stop_.stop_requested()) {
+    while (phase.iterations < most_iterations) {
+      if (watch_ && phase.iterations > 0) watch_(phase.iterations);
+      if (stop_.stop_requested()) break;
       if (!linearised) {
         at_ = bundle::linearise(k_, layout_, active, phase.state, loss, std::move(at_));
         linearised = true;
@@ -97,6 +102,7 @@ class Minimiser {
   bundle::SchurSolver solver_;
   double relative_decrease_;
   std::stop_token stop_;
+  BundleWatch watch_;
   bundle::NormalEquations at_;
 };
 
@@ -125,13 +131,14 @@ void BundleOptions::describe(OptionTable& t) {
 }
 
 BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
-                          const BundleOptions& options, const std::stop_token& stop) {
+                          const BundleOptions& options, const std::stop_token& stop,
+                          const BundleWatch& watch) {
   const Intrinsics k(camera);
   const Layout layout = bundle::make_layout(problem);
   const Flags usable = usable_entries(layout);
   const Loss robust{options.chi2_mono, options.chi2_stereo, true};
   const Loss plain{options.chi2_mono, options.chi2_stereo, false};
-  Minimiser minimiser(camera, layout, options.relative_decrease, stop);
+  Minimiser minimiser(camera, layout, options.relative_decrease, stop, watch);
   State state = bundle::state_of(problem);
 
   BundleResult result;
@@ -147,6 +154,7 @@ BundleResult solve_bundle(const Camera& camera, const BundleProblem& problem,
   result.interrupted = stop.stop_requested();
   result.T_camera_world = std::move(last.state.T_camera_world);
   result.points = std::move(last.state.points);
+  if (layout.inertial) result.inertial = std::move(last.state.inertial);
   return result;
 }
 

@@ -2,6 +2,7 @@
 #include "ydd/optimization/bundle_adjustment_ceres.h"
 
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include <ceres/ceres.h>
@@ -155,6 +156,7 @@ BundleResult solve_bundle_ceres(const Camera& camera, const BundleProblem& probl
   constexpr double kAnyDistance = 1e100;
   const Intrinsics k(camera);
   const Layout layout = bundle::make_layout(problem);
+  if (layout.inertial) throw std::logic_error("bundle adjustment by Ceres: no inertial links");
   const Loss robust{options.chi2_mono, options.chi2_stereo, true};
   const Loss plain{options.chi2_mono, options.chi2_stereo, false};
   Flags usable;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "ydd/optimization/bundle_inertial.h"
 #include "ydd/optimization/reprojection.h"
 
 namespace ydd::bundle {
@@ -161,6 +162,7 @@ State state_of(const BundleProblem& problem) {
   State state;
   for (const auto& pose : problem.poses) state.T_camera_world.push_back(pose.T_camera_world);
   state.points = problem.points;
+  if (problem.inertial) state.inertial = problem.inertial->start;
   return state;
 }
 
@@ -187,6 +189,7 @@ Layout make_layout(const BundleProblem& problem) {
     std::sort(layout.entries.begin() + layout.first[j],
               layout.entries.begin() + layout.first[j + 1], by_pose);
   }
+  lay_out_inertial(problem, columns, layout);
   return layout;
 }
 
@@ -214,6 +217,7 @@ NormalEquations linearise(const Intrinsics& k, const Layout& layout,
     }
   }
   n.cost = 0.5 * rho;
+  if (layout.inertial) add_inertial(layout, state, n);
   return n;
 }
 
@@ -229,7 +233,7 @@ double cost_of(const Intrinsics& k, const Layout& layout, const std::vector<std:
       rho += rho_of(chi2_of(k, e, p), gate_of(e, loss), loss.huber);
     }
   }
-  return 0.5 * rho;
+  return 0.5 * rho + (layout.inertial ? inertial_cost(layout, state) : 0.0);
 }
 
 std::vector<std::uint8_t> judge(const Intrinsics& k, const Layout& layout, const State& state,

@@ -29,6 +29,13 @@ struct Layout {
   std::vector<int> first;           ///< of a point's entries; one more than there are points
   std::vector<int> pose_of_column;  ///< free poses, ascending
 
+  /// Null without inertial links; what follows is empty then. Part of the problem.
+  const InertialProblem* inertial = nullptr;
+  std::vector<int> column_of_pose;         ///< -1: fixed
+  std::vector<int> speed_at;               ///< of a pose, in the border; -1: not linked
+  std::vector<Matrix9d> link_information;  ///< per link
+  int border = 0;                          ///< unknowns besides poses and points
+
   int points() const { return static_cast<int>(first.size()) - 1; }
   int columns() const { return static_cast<int>(pose_of_column.size()); }
 };
@@ -40,6 +47,7 @@ Layout make_layout(const BundleProblem& problem);
 struct State {
   std::vector<SE3> T_camera_world;
   std::vector<Eigen::Vector3d> points;  ///< world, metres
+  InertialUnknowns inertial = {};
 };
 
 /// Where the improvement starts.
@@ -52,6 +60,19 @@ struct Loss {
   bool huber = true;  ///< Huber's kernel, widths the square roots of the gates; else squares
 };
 
+/// What unknowns that belong to no point and to several poses add to the normal equations.
+struct Border {
+  /// The block of two poses, by their columns, row > col.
+  struct Pair {
+    int row = 0, col = 0;
+    Matrix6d hessian;
+  };
+  Eigen::MatrixXd hessian;   ///< of the further unknowns; empty: there are none
+  Eigen::VectorXd gradient;  ///< the same
+  Eigen::MatrixXd coupling;  ///< of all poses' columns with them
+  std::vector<Pair> pairs;
+};
+
 /// Normal equations: block diagonals of poses (U) and points (V), their coupling W per entry, and
 /// the gradients. A left perturbation (translation, rotation) for poses, metres for points.
 struct NormalEquations {
@@ -61,6 +82,7 @@ struct NormalEquations {
   std::vector<Eigen::Matrix3d> point_hessian;
   std::vector<Eigen::Vector3d> point_gradient;
   std::vector<Matrix63d> coupling;  ///< per entry; only free poses' active ones have a meaning
+  Border border;
 };
 
 /// At `state` over entries with `active` set; the buffers of `reuse` are recycled.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 #include "ydd/optimization/tile_cholesky.h"
 
 namespace ydd::bundle {
@@ -60,6 +62,11 @@ TileCholesky::Pattern pattern_of(const Layout& layout) {
       }
     }
   }
+  if (!layout.inertial) return pattern;
+  for (const InertialLink& link : layout.inertial->links) {
+    const int a = layout.column_of_pose[link.from], b = layout.column_of_pose[link.to];
+    if (a >= 0 && b >= 0) pattern.add(std::max(a, b), std::min(a, b));
+  }
   return pattern;
 }
 
@@ -73,6 +80,8 @@ struct SchurSolver::Reduced {
   void eliminate(const Layout& layout, const NormalEquations& n,
                  const std::vector<std::uint8_t>& active, int point, double lambda);
   std::optional<Eigen::VectorXd> factorise_and_solve();
+  /// The same with a border, which stands behind the poses in the solution.
+  std::optional<Eigen::VectorXd> factorise_and_solve(const Border& border, double lambda);
 
   int columns = 0;
   TileCholesky matrix;
@@ -96,6 +105,9 @@ void SchurSolver::Reduced::start(const NormalEquations& n, double lambda) {
     block.diagonal() *= 1.0 + lambda;
     block.diagonal().array() += kLeastDiagonal;
     rhs.segment<6>(6 * c) = -n.pose_gradient[c];
+  }
+  for (const Border::Pair& pair : n.border.pairs) {
+    matrix.block(pair.row, pair.col) += pair.hessian;
   }
 }
 
@@ -132,6 +144,27 @@ std::optional<Eigen::VectorXd> SchurSolver::Reduced::factorise_and_solve() {
   return solution;
 }
 
+std::optional<Eigen::VectorXd> SchurSolver::Reduced::factorise_and_solve(const Border& border,
+                                                                         double lambda) {
+  const std::optional<Eigen::VectorXd> poses = factorise_and_solve();
+  if (!poses) return std::nullopt;
+  Eigen::MatrixXd by_border(border.coupling.rows(), border.coupling.cols());
+  for (Eigen::Index i = 0; i < by_border.cols(); ++i) {
+    by_border.col(i) = matrix.solve(border.coupling.col(i));
+  }
+  Eigen::MatrixXd left = border.hessian;
+  left.diagonal() *= 1.0 + lambda;
+  left.diagonal().array() += kLeastDiagonal;
+  left.noalias() -= border.coupling.transpose() * by_border;
+  const Eigen::LLT<Eigen::MatrixXd> llt(left);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  Eigen::VectorXd solution(poses->size() + left.cols());
+  solution.tail(left.cols()) = llt.solve(-border.gradient - border.coupling.transpose() * *poses);
+  solution.head(poses->size()) = *poses - by_border * solution.tail(left.cols());
+  if (!solution.allFinite()) return std::nullopt;
+  return solution;
+}
+
 SchurSolver::SchurSolver(const Layout& layout)
     : layout_(layout), reduced_(std::make_unique<Reduced>(layout)) {}
 
@@ -145,7 +178,9 @@ std::optional<Step> SchurSolver::solve(const NormalEquations& equations,
     reduced_->eliminate(layout_, equations, active, j, lambda);
   }
   if (stop.stop_requested()) return std::nullopt;
-  const auto solution = reduced_->factorise_and_solve();
+  const Border& border = equations.border;
+  const auto solution = layout_.inertial ? reduced_->factorise_and_solve(border, lambda)
+                                         : reduced_->factorise_and_solve();
   if (!solution || stop.stop_requested()) return std::nullopt;
 
   Step step;
@@ -167,6 +202,10 @@ std::optional<Step> SchurSolver::solve(const NormalEquations& equations,
     const Vector3d damping = lambda * equations.point_hessian[j].diagonal().cwiseProduct(dp);
     step.predicted_decrease += 0.5 * dp.dot(damping - equations.point_gradient[j]);
   }
+  if (!layout_.inertial) return step;
+  step.border = solution->tail(layout_.border);
+  const Eigen::VectorXd damping = lambda * border.hessian.diagonal().cwiseProduct(step.border);
+  step.predicted_decrease += 0.5 * step.border.dot(damping - border.gradient);
   return step;
 }
 

@@ -14,12 +14,14 @@ namespace ydd::bundle {
 struct Step {
   std::vector<Vector6d> poses;          ///< per column: left twist, translation first
   std::vector<Eigen::Vector3d> points;  ///< metres
+  Eigen::VectorXd border;               ///< of the further unknowns
   double predicted_decrease = 0.0;      ///< of the cost, by the damped quadratic model
 };
 
 /// Solves the damped normal equations by eliminating the points (Schur complement; Triggs et al.,
 /// Bundle adjustment - a modern synthesis, 2000, section 6.1). The reduced system of the poses is
-/// factorised by TileCholesky, its pattern found once.
+/// factorised by TileCholesky, its pattern found once. Further unknowns, if there are any, are
+/// found from what eliminating the poses leaves of their own equations.
 class SchurSolver {
  public:
   explicit SchurSolver(const Layout& layout);

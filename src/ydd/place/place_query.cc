@@ -93,27 +93,36 @@ std::size_t enough_compared(std::size_t wanted, const PlaceQueryLimits& limits) 
 
 }  // namespace
 
-std::vector<PlaceCandidate> query_places(const Atlas& atlas, const BagOfWords& words,
-                                         const std::function<bool(KeyFrameId)>& admit,
-                                         std::size_t max_candidates,
-                                         const PlaceQueryLimits& limits) {
-  const WordIndex& index = atlas.word_index();
+std::vector<PlaceCandidate> query_index(const WordIndex& index, const BagOfWords& words,
+                                        const std::function<bool(KeyFrameId)>& admit,
+                                        const BagSource& bag_of, std::size_t max_candidates,
+                                        const PlaceQueryLimits& limits) {
   const SpreadOut query(words);
   Best best(max_candidates);
   std::size_t compared = 0;
   const auto compare = [&](const WordIndex::Entry& entry) {
     if (!admit(entry.keyframe)) return;
-    best.add({query.similarity(*entry.words), entry.serial, entry.keyframe});
+    best.add({query.similarity(*bag_of(entry)), entry.serial, entry.keyframe});
     ++compared;
   };
   const WordLookup lookup = choose_words(index, words, limits.most_postings);
+  const bool all = lookup.all && index.complete();
   WordRanking ranking(index, lookup);
   while (const std::optional<PromisingKeyframe> next = ranking.next()) {
-    if (next->common + lookup.unseen < best.needed()) break;
-    if (!lookup.all && compared >= enough_compared(max_candidates, limits)) break;
+    if (index.complete() && next->common + lookup.unseen < best.needed()) break;
+    if (!all && compared >= enough_compared(max_candidates, limits)) break;
     compare(*next->entry);
   }
   return std::move(best).take();
+}
+
+std::vector<PlaceCandidate> query_places(const Atlas& atlas, const BagOfWords& words,
+                                         const std::function<bool(KeyFrameId)>& admit,
+                                         std::size_t max_candidates,
+                                         const PlaceQueryLimits& limits) {
+  return query_index(
+      atlas.word_index(), words, admit, [](const WordIndex::Entry& entry) { return entry.words; },
+      max_candidates, limits);
 }
 
 std::vector<PlaceCandidate> query_places_exhaustively(const Atlas& atlas, const BagOfWords& words,
@@ -128,15 +137,15 @@ std::vector<PlaceCandidate> query_places_exhaustively(const Atlas& atlas, const 
   return std::move(best).take();
 }
 
-std::vector<PlaceCandidate> distinct_places(const Atlas& atlas,
-                                            const std::vector<PlaceCandidate>& candidates,
-                                            std::size_t max_places) {
+std::vector<PlaceCandidate> distinct_places(
+    const std::vector<PlaceCandidate>& candidates, std::size_t max_places,
+    const std::function<std::vector<Covisible>(KeyFrameId)>& neighbours_of) {
   std::vector<PlaceCandidate> places;
   std::set<KeyFrameId> taken;
   for (const PlaceCandidate& candidate : candidates) {
     if (places.size() == max_places) break;
     std::vector<KeyFrameId> around{candidate.keyframe};
-    for (const Covisible& c : atlas.at(candidate.keyframe).covisible) around.push_back(c.keyframe);
+    for (const Covisible& c : neighbours_of(candidate.keyframe)) around.push_back(c.keyframe);
     const bool known = std::any_of(around.begin(), around.end(),
                                    [&](KeyFrameId id) { return taken.contains(id); });
     if (known) continue;
@@ -144,6 +153,13 @@ std::vector<PlaceCandidate> distinct_places(const Atlas& atlas,
     places.push_back(candidate);
   }
   return places;
+}
+
+std::vector<PlaceCandidate> distinct_places(const Atlas& atlas,
+                                            const std::vector<PlaceCandidate>& candidates,
+                                            std::size_t max_places) {
+  return distinct_places(candidates, max_places,
+                         [&](KeyFrameId id) { return atlas.at(id).covisible; });
 }
 
 }  // namespace ydd

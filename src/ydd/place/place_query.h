@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "ydd/features/vocabulary.h"
@@ -39,6 +40,17 @@ std::vector<PlaceCandidate> query_places(const Atlas& atlas, const BagOfWords& w
                                          std::size_t max_candidates,
                                          const PlaceQueryLimits& limits = {});
 
+/// Gives the words of a keyframe of the index.
+using BagSource = std::function<std::shared_ptr<const BagOfWords>(const WordIndex::Entry&)>;
+
+/// The same of an index whose words may lie elsewhere: `bag_of` is asked for those that are
+/// compared. In an index that is not complete a keyframe may be missing that shares none of its
+/// most telling words with the query.
+std::vector<PlaceCandidate> query_index(const WordIndex& index, const BagOfWords& words,
+                                        const std::function<bool(KeyFrameId)>& admit,
+                                        const BagSource& bag_of, std::size_t max_candidates,
+                                        const PlaceQueryLimits& limits = {});
+
 /// The same by comparing with every keyframe: what `query_places` is held against.
 std::vector<PlaceCandidate> query_places_exhaustively(const Atlas& atlas, const BagOfWords& words,
                                                       const std::function<bool(KeyFrameId)>& admit,
@@ -49,5 +61,10 @@ std::vector<PlaceCandidate> query_places_exhaustively(const Atlas& atlas, const 
 std::vector<PlaceCandidate> distinct_places(const Atlas& atlas,
                                             const std::vector<PlaceCandidate>& candidates,
                                             std::size_t max_places);
+
+/// The same, where `neighbours_of` tells with whom a keyframe is covisible.
+std::vector<PlaceCandidate> distinct_places(
+    const std::vector<PlaceCandidate>& candidates, std::size_t max_places,
+    const std::function<std::vector<Covisible>(KeyFrameId)>& neighbours_of);
 
 }  // namespace ydd

@@ -216,6 +216,30 @@ TEST(QueryPlaces, WithinItsLimitsTheAnswerDoesNotDependOnHowTheMapCameAbout) {
   EXPECT_GT(differ_from_exhaustive, 0) << "the limits were not reached";
 }
 
+TEST(QueryIndex, WithoutBagsAnswersAsTheAtlasDoes) {
+  std::mt19937 random(6);
+  const Atlas atlas = atlas_of_words(80, 6, random);
+  const WordIndex whole = WordIndex::without_bags(atlas.word_index().entries(), 1'000'000);
+  // Some 25 of 90 words of each: less than a query compares anyway.
+  const WordIndex cut = WordIndex::without_bags(atlas.word_index().entries(), 80 * 6 * 25);
+  EXPECT_TRUE(whole.complete());
+  EXPECT_FALSE(cut.complete());
+  int asked = 0;
+  const auto bag_of = [&](const WordIndex::Entry& entry) {
+    EXPECT_EQ(entry.words, nullptr);
+    ++asked;
+    return atlas.at(entry.keyframe).words;
+  };
+  for (unsigned place = 0; place < 80; place += 3) {
+    const BagOfWords words = picture(random, place);
+    const auto expected = query_places(atlas, words, kAnybody, 5);
+    expect_same(query_index(whole, words, kAnybody, bag_of, 5), expected);
+    asked = 0;
+    expect_same(query_index(cut, words, kAnybody, bag_of, 5), expected);
+    EXPECT_LE(asked, 128 + 1);
+  }
+}
+
 TEST(DistinctPlaces, NeighboursOfABetterCandidateSayNothingNew) {
   const PointWorld here = make_world(500, 1);
   const PointWorld there = make_world(500, 2);

@@ -36,6 +36,15 @@ SE3 between(const SE3& a, const SE3& b, double share) {
   return a * SE3(so3_exp(share * so3_log(T_a_b.rotation())), share * T_a_b.translation());
 }
 
+/// Nothing on wheels goes from one place to the other in that time: the odometry began anew.
+bool is_jump(const OdometryPose& from, const OdometryPose& to) {
+  constexpr double kFastest_m_s = 20.0, kFastest_rad_s = 20.0, kSlack_m = 0.1, kSlack_rad = 0.2;
+  const SE3 T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
+  const double dt_s = seconds_between(from.stamp, to.stamp);
+  return T_from_to.translation().norm() > kSlack_m + kFastest_m_s * dt_s ||
+         T_from_to.angle_rad() > kSlack_rad + kFastest_rad_s * dt_s;
+}
+
 }  // namespace
 
 DeadReckoning::DeadReckoning(const ReckoningOptions& options)
@@ -44,7 +53,11 @@ DeadReckoning::DeadReckoning(const ReckoningOptions& options)
       T_camera_base_(parse_mounting(options.T_camera_base, "reckoning.T_camera_base").value()) {}
 
 void DeadReckoning::add(const ImuSample& sample) { append(imu_, sample); }
-void DeadReckoning::add(const OdometryPose& pose) { append(odometry_, pose); }
+void DeadReckoning::add(const OdometryPose& pose) {
+  const bool later = !odometry_.empty() && odometry_.back().stamp < pose.stamp;
+  if (later && is_jump(odometry_.back(), pose)) odometry_.clear();
+  append(odometry_, pose);
+}
 
 void DeadReckoning::clear() {
   seen_.reset();

@@ -136,6 +136,22 @@ TEST(DeadReckoning, StartsAnewWhereTheMotionIsNotKnown) {
   EXPECT_FALSE(motion->has_place) << "neither speed nor gravity are known there";
 }
 
+TEST(DeadReckoning, OdometryThatBeginsAnewTellsNothingAcrossTheJump) {
+  DeadReckoning reckoning{ReckoningOptions()};
+  for (int i = 0; i <= 10; ++i) {
+    reckoning.add({at(0.02 * i), SE3(Eigen::Quaterniond::Identity(), {3 + 0.01 * i, 0, 0})});
+  }
+  reckoning.see(at(0.2), SE3());
+  for (int i = 11; i <= 20; ++i) {
+    reckoning.add({at(0.02 * i), SE3(Eigen::Quaterniond::Identity(), {0.01 * (i - 11), 0, 0})});
+  }
+  EXPECT_FALSE(reckoning.since_seen(at(0.3)));
+  reckoning.see(at(0.3), SE3());
+  const auto motion = reckoning.since_seen(at(0.4));
+  ASSERT_TRUE(motion && motion->has_place);
+  EXPECT_NEAR(motion->T_now_then.translation().norm(), 0.05, 1e-6);
+}
+
 TEST(DeadReckoning, LeavesOutSamplesThatComeTwiceOrLate) {
   DeadReckoning reckoning(mounted());
   const auto samples = imu(0.0, 3.0);

@@ -43,6 +43,62 @@ TEST(Preintegration, KnowsWhatABiasDoes) {
   EXPECT_GT((without->shift_m - with->shift_m).norm(), 0.05);
 }
 
+TEST(InertialMeasurement, DerivativesByBiasesAreThoseOfDifferences) {
+  const auto samples = imu(0.0, 2.0);
+  const Eigen::Vector3d gyro(0.01, -0.02, 0.015), accel(0.1, -0.05, 0.2);
+  const auto with = [&](const Eigen::Vector3d& g, const Eigen::Vector3d& a) {
+    return preintegrate(samples, at(0.503), at(1.507), g, a).value();
+  };
+  const auto m = measure_inertial(samples, at(0.503), at(1.507), gyro, accel, ImuNoise());
+  ASSERT_TRUE(m.has_value());
+  const Preintegrated here = with(gyro, accel);
+  EXPECT_EQ(m->sum.shift_m, here.shift_m) << "one way to add up";
+  constexpr double h = 1e-6;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d d = h * Eigen::Vector3d::Unit(i);
+    const Preintegrated up = with(gyro + d, accel), down = with(gyro - d, accel);
+    const Eigen::Vector3d turn = so3_log(down.turn.conjugate() * up.turn) / (2 * h);
+    EXPECT_LT((turn - m->turn_by_gyro_bias.col(i)).norm(), 1e-6);
+    EXPECT_LT(((up.speed_m_s - down.speed_m_s) / (2 * h) - m->speed_by_gyro_bias.col(i)).norm(),
+              1e-5);
+    EXPECT_LT(((up.shift_m - down.shift_m) / (2 * h) - m->shift_by_gyro_bias.col(i)).norm(), 1e-5);
+  }
+  const Eigen::Vector3d more(0.002, 0.003, -0.001);
+  const Preintegrated told = m->with_biases(gyro + more, accel + 10 * more);
+  const Preintegrated added = with(gyro + more, accel + 10 * more);
+  EXPECT_LT(told.turn.angularDistance(added.turn), 1e-5);
+  EXPECT_LT((told.speed_m_s - added.speed_m_s).norm(), 1e-4);
+  EXPECT_LT((told.shift_m - added.shift_m).norm(), 1e-4);
+  EXPECT_GT((here.shift_m - added.shift_m).norm(), 0.01);
+}
+
+TEST(InertialMeasurement, CovarianceIsThatOfManyNoisyRuns) {
+  const ImuNoise noise{0.002, 0.02};
+  constexpr double kRootHz = 14.142135623730951;
+  const auto clean = imu(0.0, 1.0);
+  const auto m = measure_inertial(clean, at(0.2), at(0.7), kNoBias, kNoBias, noise);
+  ASSERT_TRUE(m.has_value());
+  Matrix9d spread = Matrix9d::Zero();
+  constexpr int kRuns = 400;
+  for (unsigned run = 0; run < kRuns; ++run) {
+    auto noisy = clean;
+    std::mt19937 random(run);
+    std::normal_distribution<double> normal;
+    for (ImuSample& s : noisy) {
+      for (int i = 0; i < 3; ++i) s.gyro_rad_s[i] += kRootHz * noise.gyro_rad_s * normal(random);
+      for (int i = 0; i < 3; ++i) s.accel_m_s2[i] += kRootHz * noise.accel_m_s2 * normal(random);
+    }
+    const auto sum = preintegrate(noisy, at(0.2), at(0.7), kNoBias, kNoBias);
+    Eigen::Matrix<double, 9, 1> off;
+    off << so3_log(m->sum.turn.conjugate() * sum->turn), sum->speed_m_s - m->sum.speed_m_s,
+        sum->shift_m - m->sum.shift_m;
+    spread += off * off.transpose() / kRuns;
+  }
+  for (int i = 0; i < 9; ++i) {
+    EXPECT_NEAR(std::sqrt(spread(i, i) / m->covariance(i, i)), 1.0, 0.15) << i;
+  }
+}
+
 TEST(Preintegration, NeedsSamplesAllTheTime) {
   auto samples = imu(0.0, 2.0);
   EXPECT_FALSE(preintegrate({}, at(0.5), at(1.0), kNoBias, kNoBias));

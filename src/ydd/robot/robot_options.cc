@@ -19,6 +19,8 @@ void RobotOptions::describe(OptionTable& t) {
   t.add("use_odometry", use_odometry, "the same for the wheels of the topic wheel_odometry");
   t.add("map_file", map_file, {}, "map to go on with, and what load_map loads");
   t.add("save_file", save_file, {}, "map file that is saved by itself and by save_map");
+  t.add("map_key_file", map_key_file, {},
+        "file with the key of both; empty: what YDD_MAP_KEY_FILE names, else they are plain");
   t.add("localization_only", localization_only, "use the map without changing it");
   t.add("max_difference_s", max_difference_s, {0.0, 1.0}, "s",
         "largest time between a colour and a depth image");

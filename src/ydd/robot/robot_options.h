@@ -31,12 +31,13 @@ struct RobotOptions {
   bool use_odometry = false;    ///< ... to wheel_odometry
   std::string map_file;         ///< to go on with; empty: none. Also what load_map loads
   std::string save_file;        ///< to save to; empty: none
+  std::string map_key_file;     ///< with the key of both; empty: as MapKey::find
   bool localization_only = false;
   double max_difference_s = 0.02;  ///< between colour and depth
   double path_hz = 2;              ///< of path and points
   GridFloor grid_floor = GridFloor::automatic;
-  GridOptions grid;
-  SystemOptions system;
+  GridOptions grid;      ///< of the floor as a grid
+  SystemOptions system;  ///< of the system itself
 
   void describe(OptionTable& table);
 };

@@ -42,7 +42,10 @@ Result<RobotSetup> robot_setup(const RobotOptions& options, const CameraInfoMess
                                           ? Result(ObjectCatalogue::defaults())
                                           : ObjectCatalogue::load(options.objects);
   if (!catalogue) return catalogue.error();
-  RobotSetup setup{*camera, options.system, *catalogue, {}, T_map_world, options.save_file};
+  Result<MapKey> key = MapKey::find(options.map_key_file);
+  if (!key) return key.error();
+  RobotSetup setup{*camera,     options.system,    *catalogue,     {},
+                   T_map_world, options.save_file, *std::move(key)};
   // A robot's camera waits for nobody.
   if (setup.options.detect.mode == DetectMode::automatic && !setup.options.deterministic) {
     setup.options.detect.mode = DetectMode::asynchronous;

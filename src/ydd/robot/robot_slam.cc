@@ -59,18 +59,18 @@ Matrix6d covariance_of(const FrameReport& report, const Atlas& atlas, const SE3&
   return 0.5 * (out + out.transpose());
 }
 
-Result<std::optional<Atlas>> open_map(const std::filesystem::path& file, const Camera& camera,
-                                      const SystemOptions& options) {
+Result<std::optional<Atlas>> open_map(const std::filesystem::path& file, const MapKey& key) {
   if (file.empty()) return std::optional<Atlas>();
-  Result<Atlas> atlas = load_map(file);
+  Result<Atlas> atlas = load_map(file, key);
   if (!atlas) return atlas.error();
-  auto same = check_same_camera(atlas->camera(), camera);
-  if (same) {
-    same = check_same_scales(atlas->scales(),
-                             PyramidScales::make(options.orb.levels, options.orb.scale_step));
-  }
-  if (!same) return Error{fmt::format("{}: {}", file.string(), same.error().message)};
   return std::optional<Atlas>(*std::move(atlas));
+}
+
+/// Whether the setup can go on with the map.
+Result<void> check_fits(const Atlas& map, const RobotSetup& setup) {
+  if (auto same = check_same_camera(map.camera(), setup.camera); !same) return same;
+  const OrbOptions& orb = setup.options.orb;
+  return check_same_scales(map.scales(), PyramidScales::make(orb.levels, orb.scale_step));
 }
 
 }  // namespace
@@ -86,8 +86,15 @@ RobotSlam::RobotSlam(RobotSetup setup)
       newest_(std::make_unique<Published<const RobotMap>>()) {}
 
 Result<RobotSlam> RobotSlam::make(RobotSetup setup, const std::filesystem::path& map_file) {
+  Result<std::optional<Atlas>> map = open_map(map_file, setup.map_key);
+  if (!map) return map.error();
+  return make(std::move(setup), *std::move(map), map_file.string());
+}
+
+Result<RobotSlam> RobotSlam::make(RobotSetup setup, std::optional<Atlas> map,
+                                  const std::string& map_name) {
   RobotSlam out(std::move(setup));
-  Result<std::unique_ptr<SlamSystem>> system = make_system(*out.setup_, map_file);
+  Result<std::unique_ptr<SlamSystem>> system = make_system(*out.setup_, std::move(map), map_name);
   if (!system) return system.error();
   out.system_ = *std::move(system);
   if (auto r = out.save_by_itself(); !r) return r.error();
@@ -101,17 +108,22 @@ Result<void> RobotSlam::save_by_itself() {
 }
 
 Result<std::unique_ptr<SlamSystem>> RobotSlam::make_system(const RobotSetup& setup,
-                                                           const std::filesystem::path& map_file) {
-  Result<std::optional<Atlas>> map = open_map(map_file, setup.camera, setup.options);
-  if (!map) return map.error();
+                                                           std::optional<Atlas> map,
+                                                           const std::string& map_name) {
+  if (map) {
+    const Result<void> fits = check_fits(*map, setup);
+    if (!fits) return Error{fmt::format("{}: {}", map_name, fits.error().message)};
+  }
   std::unique_ptr<Detector> detector;
   if (setup.make_detector) {
     Result<std::unique_ptr<Detector>> made = setup.make_detector();
     if (!made) return made.error();
     detector = *std::move(made);
   }
-  return std::make_unique<SlamSystem>(setup.camera, setup.options, setup.catalogue,
-                                      std::move(detector), *std::move(map));
+  auto system = std::make_unique<SlamSystem>(setup.camera, setup.options, setup.catalogue,
+                                             std::move(detector), std::move(map));
+  system->set_map_key(setup.map_key);
+  return system;
 }
 
 void RobotSlam::forget() {
@@ -183,8 +195,14 @@ void RobotSlam::reset() {
 }
 
 Result<void> RobotSlam::load_map(const std::filesystem::path& file) {
+  Result<std::optional<Atlas>> map = open_map(file, setup_->map_key);
+  if (!map) return map.error();
+  return set_map(*std::move(map), file.string());
+}
+
+Result<void> RobotSlam::set_map(std::optional<Atlas> map, const std::string& map_name) {
   const bool localize = localization_only();
-  Result<std::unique_ptr<SlamSystem>> system = make_system(*setup_, file);
+  Result<std::unique_ptr<SlamSystem>> system = make_system(*setup_, std::move(map), map_name);
   if (!system) return system.error();
   (void)system_->finish(Ending::prompt);  // its map goes
   system_.reset();                        // it holds the file that maps are saved to

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "ydd/base/published.h"
@@ -22,22 +23,23 @@ SE3 axes_of_robots();
 
 /// What a system is made of.
 struct RobotSetup {
-  Camera camera;
-  SystemOptions options;
-  ObjectCatalogue catalogue;
+  Camera camera;              ///< colour, with depth registered to it
+  SystemOptions options;      ///< as SlamSystem takes them
+  ObjectCatalogue catalogue;  ///< what the detector's classes mean
   /// Called for each new system; gives null for none.
   std::function<Result<std::unique_ptr<Detector>>()> make_detector;
-  SE3 T_map_world = axes_of_robots();
+  SE3 T_map_world = axes_of_robots();   ///< world: the first camera
   std::filesystem::path autosave_file;  ///< SlamSystem::autosave_to; empty: none
+  MapKey map_key;                       ///< of every map that is loaded or saved; empty: plain ones
 };
 
 /// What became of one frame.
 struct RobotFrame {
   FrameReport report;     ///< its tracks are in the world frame
   bool has_pose = false;  ///< else the poses are the last ones that were known
-  SE3 T_map_camera;
-  SE3 T_odom_camera;  ///< goes on smoothly: corrections of the map are in T_map_odom
-  SE3 T_map_odom;
+  SE3 T_map_camera;       ///< where the camera is, as the map is believed to be now
+  SE3 T_odom_camera;      ///< goes on smoothly: corrections of the map are in T_map_odom
+  SE3 T_map_odom;  ///< what the map corrects of the odometry: T_map_camera * T_odom_camera^-1
   /// Of T_map_camera: position, then rotation about the map's axes; square metres and radians. What
   /// the matches of this frame leave open: how far the map itself has drifted is not in it.
   Matrix6d covariance = Matrix6d::Identity();
@@ -49,7 +51,7 @@ struct RobotFrame {
 struct RobotMap {
   std::shared_ptr<const Atlas> atlas;  ///< never null
   MapId map;                           ///< that the camera is in, or was in last
-  SE3 T_map_world;
+  SE3 T_map_world;                     ///< as RobotSetup has it
 };
 
 /// Thread: one, but for `newest_map`.
@@ -57,6 +59,9 @@ class RobotSlam {
  public:
   /// Fails when the detector cannot be made or `map_file` (may be empty) cannot be gone on with.
   static Result<RobotSlam> make(RobotSetup setup, const std::filesystem::path& map_file);
+  /// The same with a map that is at hand (none: from nothing), by this name in failures.
+  static Result<RobotSlam> make(RobotSetup setup, std::optional<Atlas> map,
+                                const std::string& map_name);
 
   /// Frames must come by rising stamps; one that does not is a failure that costs nothing. What
   /// else fails is as SlamSystem::process has it. Its index counts the frames that came; a larger
@@ -66,22 +71,28 @@ class RobotSlam {
 
   /// Other senses, as SlamSystem::add: before the first frame that is not earlier.
   void add(const ImuSample& sample) { system_->add(sample); }
-  void add(const OdometryPose& pose) { system_->add(pose); }
+  void add(const OdometryPose& pose) { system_->add(pose); }  ///< The same.
 
   /// Forgets map and path; the next frame starts anew.
   void reset();
   /// Goes on in the map of a file instead of the one there is, which stays if that fails.
   Result<void> load_map(const std::filesystem::path& file);
+  /// The same with a map that is at hand.
+  Result<void> set_map(std::optional<Atlas> map, const std::string& map_name);
+  /// As SlamSystem::save_map.
   Result<void> save_map(const std::filesystem::path& file) { return system_->save_map(file); }
+  /// As SlamSystem has it; before any frame.
   void set_localization_only(bool on) { system_->set_localization_only(on); }
+  /// Whether the map is used without being changed.
   bool localization_only() const { return system_->localization_only(); }
   /// What waits is worked off.
   Result<void> finish(Ending ending) { return system_->finish(ending); }
 
   /// Poses of all frames in the newest state of the map, map frame.
   StampedPoses path() const;
+  /// How many loops were closed since the map was new.
   int loops() const { return static_cast<int>(system_->mapping_reports().loops.size()); }
-  const RobotSetup& setup() const { return *setup_; }
+  const RobotSetup& setup() const { return *setup_; }  ///< As it was given.
   /// For what is asked of it alone, in the world frame.
   const SlamSystem& system() const { return *system_; }
   /// Any thread; null before the first frame.
@@ -90,7 +101,8 @@ class RobotSlam {
  private:
   explicit RobotSlam(RobotSetup setup);
   static Result<std::unique_ptr<SlamSystem>> make_system(const RobotSetup& setup,
-                                                         const std::filesystem::path& map_file);
+                                                         std::optional<Atlas> map,
+                                                         const std::string& map_name);
   Result<void> save_by_itself();
   void forget();
   void place(RobotFrame& frame);

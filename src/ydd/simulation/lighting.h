@@ -15,4 +15,13 @@ float open_light(const Scene& scene, const Vector3& p, const Vector3& n);
 /// by fixed things. One vector per part.
 std::vector<std::vector<float>> bake_light(const Scene& scene, const RayScene& fixed);
 
+/// How much of each source falls on a place; `itself` has none.
+using SourceShares = std::array<float, kLightSources>;
+
+/// As `open_light`, for light that changes. Without sun: it would need shadows.
+SourceShares open_shares(const Scene& scene, const Vector3& p, const Vector3& n);
+
+/// As `bake_light`, for light that changes; nothing for parts that shine.
+std::vector<std::vector<SourceShares>> bake_shares(const Scene& scene, const RayScene& fixed);
+
 }  // namespace ydd::sim

@@ -71,6 +71,7 @@ std::vector<OdometryPose> sense_odometry(const Path& path, Timestamp start, doub
   const double way = 1.0 + options.odometry_slip * random.normal();
   const double turn = 1.0 + options.odometry_slip * random.normal();
   constexpr double kRough = 5.0;  // single steps slip more than the whole way
+  constexpr double kFastest_m_s = 20.0;
   SE3 T_odom_base;
   SE3 T_world_last = path(from_s) * T_camera_base;
   std::vector<OdometryPose> out;
@@ -78,6 +79,13 @@ std::vector<OdometryPose> sense_odometry(const Path& path, Timestamp start, doub
     const SE3 T_world_base = path(t_s) * T_camera_base;
     const SE3 step = T_world_last.inverse() * T_world_base;
     const double rough = kRough * options.odometry_slip;
+    // Who is carried elsewhere at once has wheels that do not turn.
+    const bool carried = step.translation().norm() * options.odometry_hz > kFastest_m_s;
+    if (carried) {
+      T_world_last = T_world_base;
+      out.push_back({stamp_at(start, t_s), T_odom_base});
+      continue;
+    }
     const double way_here = way + rough * random.normal();
     const double turn_here = turn + rough * random.normal();
     T_odom_base = T_odom_base *

@@ -80,19 +80,24 @@ struct Renderer::Impl {
 
 Renderer::Impl::Impl(Scene scene_in) : scene(std::move(scene_in)), device(make_device()) {
   const auto add_group = [&](const std::vector<Part>& parts,
-                             const std::vector<std::vector<float>>& lights) {
+                             const std::vector<std::vector<float>>& lights,
+                             const std::vector<std::vector<SourceShares>>& shares) {
     std::vector<Surface>& group = surfaces.emplace_back();
     for (std::size_t i = 0; i < parts.size(); ++i) {
       group.push_back(make_surface(parts[i], scene.textures,
-                                   lights.empty() ? std::vector<float>() : lights[i]));
+                                   lights.empty() ? std::vector<float>() : lights[i],
+                                   shares.empty() ? std::vector<SourceShares>() : shares[i]));
     }
   };
   groups.push_back(make_ray_scene(device, scene.fixed));
-  add_group(scene.fixed, bake_light(scene, groups.front()));
+  const bool changes = scene.light.has_value();
+  add_group(
+      scene.fixed, bake_light(scene, groups.front()),
+      changes ? bake_shares(scene, groups.front()) : std::vector<std::vector<SourceShares>>());
   for (const Actor& actor : scene.actors) {
     for (const Body& body : actor.bodies) {
       groups.push_back(make_ray_scene(device, body.parts));
-      add_group(body.parts, {});
+      add_group(body.parts, {}, {});
     }
   }
 }
@@ -124,7 +129,8 @@ class Renderer::Exposure {
   std::vector<View> views_;  ///< per group; the first is the world frame
   RayScene rays_;
   Vector3 projector_world_m_;
-  std::vector<SurfaceHit> hits_;  ///< at pixel centres
+  std::optional<LightNow> light_;  ///< nothing: steady
+  std::vector<SurfaceHit> hits_;   ///< at pixel centres
   Rendering result_;
 };
 
@@ -137,6 +143,7 @@ Renderer::Exposure::Exposure(const Impl& world, const Camera& camera, const SE3&
     T_world_group.insert(T_world_group.end(), poses.begin(), poses.end());
   }
   for (const SE3& T : T_world_group) views_.push_back(make_view(camera, T_world_camera, T));
+  if (world.scene.light) light_ = world.scene.light->at(time_s);
   rays_ = make_instance_scene(world.device, world.groups, T_world_group);
   projector_world_m_ = (T_world_camera * options.projector_camera_m.cast<double>()).cast<float>();
   const std::size_t count = static_cast<std::size_t>(camera.width_px) * camera.height_px;
@@ -257,7 +264,8 @@ RenderedPixel Renderer::Exposure::describe(const SurfaceHit& hit, int x, int y) 
 Eigen::Array3f Renderer::Exposure::colour(const SurfaceHit& hit, float x, float y,
                                           float footprint_px) const {
   if (hit.surface == nullptr) return Eigen::Array3f::Zero();
-  return shade(world_.scene, hit, views_[hit.group], x, y, footprint_px);
+  return shade(world_.scene, light_ ? &*light_ : nullptr, hit, views_[hit.group], x, y,
+               footprint_px);
 }
 
 void Renderer::Exposure::shade_row(int y) {

@@ -59,6 +59,7 @@ class RoomBuilder {
     furnish_east();
     furnish_south();
     furnish_west();
+    add_changing_lights();
   }
 
  private:
@@ -85,6 +86,7 @@ class RoomBuilder {
   void furnish_east();
   void furnish_south();
   void furnish_west();
+  void add_changing_lights();
 
   SceneBuilder& builder_;
   const WorldOptions& options_;
@@ -114,6 +116,7 @@ void RoomBuilder::build_floor_and_ceiling() {
       Part lamp =
           builder_.cut(make_box({x, y, kH - 0.03F}, 2.0F * half), builder_.palette().white, -1);
       lamp.glow = 1.25F;
+      lamp.source = LightSource::ceiling;
       place({lamp}, SE3());
       const Vector3 centre =
           (T_world_room_ * Eigen::Vector3d(x, y, kRoomHeight_m - 0.06)).cast<float>();
@@ -283,10 +286,30 @@ void RoomBuilder::furnish_west() {
       builder_, paint_window(random.fork(1), builder_.fine_texels(1.5), builder_.fine_texels(1.2)),
       1.5F, 1.2F);
   window.front().glow = 1.05F;
+  window.front().source = LightSource::window;
   place_at_wall(3, window, 3.95, 1.75);
   place_at_wall(3, make_cabinet(builder_, 1.0F, 0.8F), 3.6);
   place_at_wall(3, make_plant(builder_, 0.75F), 3.35, 0.8, 0.22);
   if (!walls_[3].passage) hang_posters(3, 2.05F, 3.05F, 0.95F, 2.6F);
+}
+
+/// The window, and lamps at the desks and in the corner far from them. They draw no random numbers
+/// and have no bodies: the world is the same whatever shines in it.
+void RoomBuilder::add_changing_lights() {
+  const auto placed = [&](const SE3& T_room_wall, double along, double out, double z) -> Vector3 {
+    return (T_world_room_ * T_room_wall * Eigen::Vector3d(along, -out, z)).cast<float>();
+  };
+  builder_.add_window(
+      {placed(walls_[3].T_room_wall, 3.95, 0.05, 1.75), {0, 1.5F, 1.2F}, 5.0F, Vector3::UnitX()});
+  const Vector3 bulb(0.12F, 0.12F, 0.12F);
+  const auto add = [&](int wall, double along, double out, double z, float power) {
+    builder_.add_desk_lamp(
+        {placed(walls_[wall].T_room_wall, along, out, z), bulb, power, Vector3::Zero()});
+  };
+  add(0, 1.15, 0.5, 1.3, 0.4F);
+  add(0, 2.8, 0.5, 1.3, 0.4F);
+  add(3, 1.15, 0.5, 1.3, 0.4F);
+  add(1, 4.6, 0.5, 1.8, 0.7F);
 }
 
 }  // namespace

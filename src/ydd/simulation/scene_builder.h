@@ -51,6 +51,9 @@ class SceneBuilder {
   void place(const std::vector<Part>& parts, const SE3& T_world_parts);
   void add_actor(Actor actor) { scene_.actors.push_back(std::move(actor)); }
   void add_lamp(const Lamp& lamp) { scene_.lamps.push_back(lamp); }
+  void add_window(const Lamp& window) { scene_.windows.push_back(window); }
+  void add_desk_lamp(const Lamp& lamp) { scene_.desk_lamps.push_back(lamp); }
+  void set_light(std::optional<LightChanges> light) { scene_.light = std::move(light); }
 
   /// Turns all actors so far into statues: they stand as at `time_s`, no object moves any more.
   void freeze(double time_s);

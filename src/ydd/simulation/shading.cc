@@ -17,11 +17,49 @@ Vector3 slide(const Vector3& normal, const Vector3& ray, float depth_m, const Ve
   return depth_m * (step - ray * (normal.dot(step) / facing));
 }
 
+/// A smooth normal, and where the hit is, in the world frame.
+struct WorldHit {
+  Vector3 p, n;
+};
+
+WorldHit in_world(const SurfaceHit& hit, const View& view, const Vector3& ray) {
+  const auto& n = hit.surface->normals[hit.triangle];
+  const Vector3 smooth = (1.0F - hit.b - hit.c) * n[0] + hit.b * n[1] + hit.c * n[2];
+  const Vector3 p = view.rotation_world * (view.origin + hit.depth_m * ray);
+  return {p + view.translation_world, (view.rotation_world * smooth).normalized()};
+}
+
+Eigen::Array3f changing_light(const Scene& scene, const LightNow& now, const SurfaceHit& hit,
+                              const View& view, const Vector3& ray) {
+  const Surface& surface = *hit.surface;
+  if (surface.glow > 0) {
+    constexpr float kSwitchedOff = 0.12F;  // what else falls on a window and a ceiling lamp
+    const Eigen::Array3f& on = now.sources[static_cast<std::size_t>(surface.source)];
+    return surface.glow * on.max(kSwitchedOff);
+  }
+  SourceShares shares{};
+  if (surface.moving) {
+    const WorldHit at = in_world(hit, view, ray);
+    shares = open_shares(scene, at.p, at.n);
+  } else {
+    const auto& corner = surface.shares[hit.triangle];
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      shares[i] =
+          (1.0F - hit.b - hit.c) * corner[0][i] + hit.b * corner[1][i] + hit.c * corner[2][i];
+    }
+  }
+  Eigen::Array3f light = Eigen::Array3f::Zero();
+  for (std::size_t i = 0; i < shares.size(); ++i) light += shares[i] * now.sources[i];
+  return light;
+}
+
 }  // namespace
 
 Surface make_surface(const Part& part, const std::vector<Texture>& textures,
-                     const std::vector<float>& vertex_light) {
+                     const std::vector<float>& vertex_light,
+                     const std::vector<SourceShares>& vertex_shares) {
   Surface surface;
+  surface.source = part.source;
   surface.texture = &textures.at(part.texture);
   surface.object = part.object;
   surface.glow = part.glow;
@@ -54,12 +92,15 @@ Surface make_surface(const Part& part, const std::vector<Texture>& textures,
       surface.normals.push_back({mesh.normals[a], mesh.normals[b], mesh.normals[c]});
     }
     surface.triangles.push_back(t);
+    if (!vertex_shares.empty()) {
+      surface.shares.push_back({vertex_shares[a], vertex_shares[b], vertex_shares[c]});
+    }
   }
   return surface;
 }
 
-Eigen::Array3f shade(const Scene& scene, const SurfaceHit& hit, const View& view, float x, float y,
-                     float footprint_px) {
+Eigen::Array3f shade(const Scene& scene, const LightNow* now, const SurfaceHit& hit,
+                     const View& view, float x, float y, float footprint_px) {
   const Surface& surface = *hit.surface;
   const ShadingTriangle& t = surface.triangles[hit.triangle];
   const Vector2 uv = t.uv + hit.b * t.uv_by_b + hit.c * t.uv_by_c;
@@ -68,15 +109,16 @@ Eigen::Array3f shade(const Scene& scene, const SurfaceHit& hit, const View& view
   const Vector3 along_y = footprint_px * slide(t.normal, ray, hit.depth_m, view.step_y);
   const Footprint footprint{{t.u_gradient.dot(along_x), t.v_gradient.dot(along_x)},
                             {t.u_gradient.dot(along_y), t.v_gradient.dot(along_y)}};
+  if (now != nullptr) {
+    return changing_light(scene, *now, hit, view, ray) *
+           surface.texture->sample(uv.x(), uv.y(), footprint);
+  }
   float light = surface.glow;
   if (!surface.moving) {
     light = t.light + hit.b * t.light_by_b + hit.c * t.light_by_c;
   } else if (light <= 0) {
-    const auto& n = surface.normals[hit.triangle];
-    const Vector3 smooth = (1.0F - hit.b - hit.c) * n[0] + hit.b * n[1] + hit.c * n[2];
-    const Vector3 p = view.rotation_world * (view.origin + hit.depth_m * ray);
-    light =
-        open_light(scene, p + view.translation_world, (view.rotation_world * smooth).normalized());
+    const WorldHit at = in_world(hit, view, ray);
+    light = open_light(scene, at.p, at.n);
   }
   return light * surface.texture->sample(uv.x(), uv.y(), footprint);
 }

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "ydd/simulation/scene.h"
+#include "ydd/simulation/lighting.h"
 
 namespace ydd::sim {
 
@@ -20,8 +20,11 @@ struct Surface {
   const Texture* texture = nullptr;
   int object = -1;
   float glow = 0;
+  LightSource source = LightSource::itself;  ///< what the glow goes with
   bool moving = false;
   std::vector<ShadingTriangle> triangles;
+  /// Where light changes: at the corners of each triangle; empty for what moves or shines.
+  std::vector<std::array<SourceShares, 3>> shares;
   std::vector<std::array<Vector3, 3>> normals;  ///< at the corners; of moving surfaces only
 };
 
@@ -45,12 +48,14 @@ struct SurfaceHit {
   float depth_m = 0;
 };
 
-/// `vertex_light` is empty for moving parts.
+/// `vertex_light` is empty for moving parts, `vertex_shares` also where light is steady.
 Surface make_surface(const Part& part, const std::vector<Texture>& textures,
-                     const std::vector<float>& vertex_light);
+                     const std::vector<float>& vertex_light,
+                     const std::vector<SourceShares>& vertex_shares);
 
-/// Colour, 255 is white. `footprint_px` is the side of the pixel area to filter over.
-Eigen::Array3f shade(const Scene& scene, const SurfaceHit& hit, const View& view, float x, float y,
-                     float footprint_px);
+/// Colour, 255 is white. `footprint_px` is the side of the pixel area to filter over; `now` is null
+/// where light is steady.
+Eigen::Array3f shade(const Scene& scene, const LightNow* now, const SurfaceHit& hit,
+                     const View& view, float x, float y, float footprint_px);
 
 }  // namespace ydd::sim

@@ -8,6 +8,7 @@
 #include "ydd/image/decode.h"
 #include "ydd/simulation/annotation.h"
 #include "ydd/simulation/depth_sensor.h"
+#include "ydd/simulation/illumination.h"
 #include "ydd/simulation/movers.h"
 #include "ydd/simulation/people.h"
 #include "ydd/simulation/renderer.h"
@@ -30,6 +31,7 @@ sim::Scene make_scene(const WorldOptions& options) {
   sim::add_actors(builder, options, cast);
   sim::add_large_mover(builder, options);
   if (options.frozen_at_s >= 0) builder.freeze(options.frozen_at_s);
+  builder.set_light(sim::make_light_changes(options));
   return std::move(builder).finish();
 }
 
@@ -54,18 +56,21 @@ DepthImage no_depth(const Camera& camera) {
           std::vector<float>(static_cast<std::size_t>(camera.width_px) * camera.height_px)};
 }
 
-/// The picture with the noise of its sensor.
-ColourImage expose(const sim::Rendering& rendering, const WorldOptions& options, int index) {
+/// The picture with the noise of its sensor. `automatic` is what the camera chose by itself, BGR.
+ColourImage expose(const sim::Rendering& rendering, const WorldOptions& options,
+                   const Eigen::Array3f& automatic, int index) {
   const std::uint64_t seed = frame_seed(options, index);
   sim::Random random(seed);
-  const auto gain = static_cast<float>(1.0 + options.exposure_noise * random.normal());
-  const auto noise = static_cast<float>(options.pixel_noise);
+  const Eigen::Array3f gain =
+      automatic * static_cast<float>(1.0 + options.exposure_noise * random.normal());
+  const float noise = static_cast<float>(options.pixel_noise) * std::sqrt(automatic.mean());
   const bool covered =
       index >= options.covered_from && index < options.covered_from + options.covered_frames;
   std::vector<Bgr> colours(rendering.colours.size());
   for (std::size_t i = 0; i < colours.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
-      float value = covered ? 0.0F : gain * rendering.colours[i][static_cast<int>(k)];
+      float value =
+          covered ? 0.0F : gain[static_cast<int>(k)] * rendering.colours[i][static_cast<int>(k)];
       if (noise > 0) value += noise * sim::quick_normal(sim::mix_bits(seed + 3 * i + k));
       colours[i][k] = to_byte(value);
     }
@@ -171,7 +176,10 @@ SimulatedFrame Simulator::render(int index) const {
   const bool aligned = impl_->is_depth_aligned();
   const sim::Rendering rendering = impl_->render(camera, time_s, options.edge_samples,
                                                  aligned && options.depth == DepthModel::kinect);
-  const ColourImage colour = expose(rendering, options, index);
+  const Eigen::Array3f automatic =
+      scene.light ? sim::automatic_gain(rendering.colours, scene.light->at(time_s).exposure)
+                  : Eigen::Array3f::Ones();
+  const ColourImage colour = expose(rendering, options, automatic, index);
   DepthImage depth_m =
       impl_->sense_depth(aligned ? rendering : impl_->render_misaligned_depth(time_s), index);
   const std::vector<bool> moving = impl_->probe.moving_objects(scene, time_s, 1.0 / options.fps);

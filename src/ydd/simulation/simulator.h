@@ -19,23 +19,23 @@ struct SimulatedObject {
   std::string name;        ///< unique: "person0_head"
   int id = 0;              ///< of the whole thing; movers have the ids of the masks, 1 to 255
   bool dynamic = false;    ///< moves in this frame
-  bool moved_in_sequence = false;
+  bool moved_in_sequence = false;  ///< moves in some frame: what the mask numbers
   Box box;         ///< around its visible pixels; a person's includes head and hands
   int pixels = 0;  ///< visible ones
 };
 
 /// A frame and what is true of it.
 struct SimulatedFrame {
-  RgbdFrame frame;
-  SE3 T_world_camera;
+  RgbdFrame frame;                       ///< what the simulated camera took, with its noise
+  SE3 T_world_camera;                    ///< exact; the simulated world: z up, floor at 0, metres
   std::vector<SimulatedObject> objects;  ///< in the order of the scene
   Image<std::uint8_t> mask;              ///< id of what moves at some time, 0: static
 };
 
 /// A person or thing that moves at some time, where it is in the world: exactly.
 struct SimulatedMover {
-  std::string class_name, name;  ///< as in SimulatedObject
-  int id = 0;
+  std::string class_name, name;                            ///< as in SimulatedObject
+  int id = 0;                                              ///< its value in the masks, 1 to 255
   Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();      ///< of its bodies; the world's z is up
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< of that
 };
@@ -53,8 +53,8 @@ class Simulator {
   Simulator(Simulator&&) noexcept;
   Simulator& operator=(Simulator&&) noexcept;
 
-  int frame_count() const;
-  const Camera& camera() const;
+  int frame_count() const;       ///< Frames of the whole path, or as many as were asked for.
+  const Camera& camera() const;  ///< The one that all frames are taken with, without distortion.
   /// Time of a frame; the first is at 1700000000 s, all on whole microseconds.
   Timestamp stamp(int index) const;
   /// T_world_camera of a frame, exact.

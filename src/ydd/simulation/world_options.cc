@@ -35,6 +35,11 @@ void WorldOptions::describe(OptionTable& t) {
         "depth shows the world as it was that long before colour");
   t.add("pixel_noise", pixel_noise, {0.0, 50.0}, "", "standard deviation of a pixel, grey levels");
   t.add("exposure_noise", exposure_noise, {0.0, 0.5}, "", "standard deviation of a frame's gain");
+  t.add("light", light,
+        "what shines; any but steady also has the camera's automatic exposure and white balance");
+  t.add("light_seed", light_seed, {0, 1e9}, "", "which day or evening it is");
+  t.add("light_change_s", light_change_s, {0.1, 1e5}, "s",
+        "each light of 'changing' lasts so long");
   t.add("covered_from", covered_from, {0, 1e6}, "", "first frame with a covered (black) lens");
   t.add("covered_frames", covered_frames, {0, 1e6}, "", "number of frames with a covered lens");
   t.group("sensors", sensors);

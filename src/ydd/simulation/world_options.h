@@ -9,12 +9,21 @@
 
 namespace ydd {
 
+/// How the camera moves: not at all, along or about its axes, on a half sphere, through rooms.
 enum class PathKind { stationary, xyz, rpy, halfsphere, room_loop };
 constexpr std::array<std::string_view, 5> choices_of(PathKind) {
   return {"static", "xyz", "rpy", "halfsphere", "room_loop"};
 }
+/// Depth as it is, or with the noise, the steps and the holes of a Kinect.
 enum class DepthModel { exact, kinect };
 constexpr std::array<std::string_view, 2> choices_of(DepthModel) { return {"exact", "kinect"}; }
+
+/// What shines: ceiling lamps, always alike; daylight from a window; ceiling lamps, warm, at night;
+/// lamps at the desks alone; one after the other.
+enum class LightKind { steady, day, evening, lamps, changing };
+constexpr std::array<std::string_view, 5> choices_of(LightKind) {
+  return {"steady", "day", "evening", "lamps", "changing"};
+}
 
 /// Large things of no class that detectors know.
 enum class MoverKind { none, cabinet, curtain, door, robot, screen };
@@ -50,8 +59,11 @@ struct WorldOptions {
   double depth_late_ms = 0.0;        ///< depth shows the world so long before colour
   double pixel_noise = 1.0;
   double exposure_noise = 0.0;
-  int covered_from = 0;    ///< first frame with a covered lens
-  int covered_frames = 0;  ///< how many
+  LightKind light = LightKind::steady;  ///< else with the camera's automatic exposure and balance
+  int light_seed = 1;                   ///< which day it is: levels, colours, where the sun stands
+  double light_change_s = 12.0;         ///< how long each light of `changing` lasts
+  int covered_from = 0;                 ///< first frame with a covered lens
+  int covered_frames = 0;               ///< how many
 
   MotionSensorOptions sensors;  ///< of motion, besides the camera
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,8 +14,10 @@
 #include "ydd/loop/loop_closer.h"
 #include "ydd/map/local_map.h"
 #include "ydd/map_files/map_file.h"
+#include "ydd/mapping/apply_correction.h"
 #include "ydd/mapping/mapper.h"
 #include "ydd/place/place_query.h"
+#include "ydd/system/nearby_map.h"
 #include "ydd/tracking/tracker.h"
 
 namespace ydd {
@@ -159,7 +162,59 @@ void measure_loop(Mapper& mapper, const LoopOptions& options, MapCosts& costs) {
   std::optional<Correction> correction;
   costs.correct_ms = spent_on([&] { correction = correct_loop(*atlas, match, options); }).cpu_ms;
   if (!correction) return;
+  costs.prepare_ms = spent_on([&] { prepare_correction(atlas, *correction); }).cpu_ms;
   costs.apply_ms = spent_on([&] { (void)mapper.apply(*correction); }).cpu_ms;
+}
+
+using Walks = std::vector<std::vector<TrackedFrame>>;
+
+/// What a camera sees that is put into some rooms.
+Walks walks_of(const Atlas& atlas, const std::vector<KeyFrameId>& seen_once) {
+  Walks walks;
+  for (const std::size_t start : spread(seen_once.size(), kWalks)) {
+    walks.emplace_back();
+    for (std::size_t k = 0; k < kFramesOfWalk && start + k < seen_once.size(); ++k) {
+      walks.back().push_back(as_frame(atlas.at(seen_once[start + k])));
+    }
+  }
+  return walks;
+}
+
+/// The walks once more, in the file of the map.
+Result<void> measure_in_part(const std::filesystem::path& file, const Walks& walks,
+                             const SystemOptions& options, const ResidentMemory& resident_mb,
+                             MapCosts& costs) {
+  NearbyOptions nearby;
+  nearby.in_background = false;
+  const double before_mb = resident_mb();
+  Result<std::unique_ptr<NearbyMap>> map = Error{""};
+  costs.open_ms = spent_on([&] {
+                    Result<StoredMap> stored = StoredMap::open(file);
+                    map = stored ? NearbyMap::open(std::move(*stored), nearby)
+                                 : Result<std::unique_ptr<NearbyMap>>(stored.error());
+                  }).cpu_ms;
+  if (!map) return map.error();
+  costs.opened_mb = resident_mb() - before_mb;
+  for (const std::vector<TrackedFrame>& walk : walks) {
+    Tracker tracker(options.tracking, true);
+    tracker.set_localization_only(true);
+    for (const TrackedFrame& frame : walk) {
+      if (tracker.state() == TrackingState::lost) {
+        const auto words = std::make_shared<const BagOfWords>(
+            bag_of_words(builtin_vocabulary(), frame.features().descriptors));
+        costs.place_ms.push_back(spent_on([&] { (*map)->look_for(words); }).cpu_ms);
+      }
+      const bool tracked = tracker.state() == TrackingState::tracking;
+      const TrackResult result = tracker.track(frame, *(*map)->atlas(), true);
+      if (tracked && result.state != TrackingState::tracking) ++costs.lost_in_part;
+      if (!result.reference.valid()) continue;
+      const auto before = (*map)->atlas();
+      const double ms = spent_on([&] { (*map)->follow(result.reference); }).cpu_ms;
+      if ((*map)->atlas() != before) costs.near_ms.push_back(ms);
+    }
+  }
+  costs.walked_mb = resident_mb() - before_mb;
+  return (*map)->failure();
 }
 
 Result<MapSave> timed_save(MapWriter& writer, Mapper& mapper, Spent& spent, std::int64_t& bytes) {
@@ -174,13 +229,14 @@ Result<MapSave> timed_save(MapWriter& writer, Mapper& mapper, Spent& spent, std:
 }  // namespace
 
 Result<MapCosts> measure_map(Building building, const SystemOptions& system_options,
-                             const std::filesystem::path& file) {
+                             const std::filesystem::path& file, const ResidentMemory& resident_mb) {
   const SystemOptions options = system_options.resolved();
   MapCosts costs;
   costs.keyframes = building.atlas.keyframes().size();
   costs.points = building.atlas.points().size();
   Result<MapWriter> writer = MapWriter::open(file, Replacing::anything);
   if (!writer) return writer.error();
+  const Walks walks = walks_of(building.atlas, building.seen_once);
   {
     Mapper mapper(std::move(building.atlas), options.mapping);
     const auto atlas = mapper.snapshot();
@@ -199,9 +255,12 @@ Result<MapCosts> measure_map(Building building, const SystemOptions& system_opti
     costs.save_new_rows = saved->rows;
     measure_loop(mapper, options.loop, costs);
   }
-  Result<Atlas> loaded = Error{""};
-  costs.load_ms = spent_on([&] { loaded = load_map(file); }).cpu_ms;
-  if (!loaded) return loaded.error();
+  {
+    Result<Atlas> loaded = Error{""};
+    costs.load_ms = spent_on([&] { loaded = load_map(file); }).cpu_ms;
+    if (!loaded) return loaded.error();
+  }
+  if (auto r = measure_in_part(file, walks, options, resident_mb, costs); !r) return r.error();
   return costs;
 }
 

@@ -9,8 +9,6 @@ namespace {
 // What counts as the same place: so near in space and direction that the pictures share things.
 constexpr double kNear_m = 0.6;
 constexpr double kNear_rad = 0.35;
-// Older than this, or it would only be the next moment of the same look.
-constexpr double kApart_s = 6.0;
 constexpr std::size_t kCandidates = 5;
 constexpr std::size_t kPerPlace = 6;
 constexpr double kRight_m = 0.10;  // of a verified pose
@@ -35,10 +33,10 @@ bool is_right(const Atlas& atlas, const Relocalization& found, const Place& quer
 
 /// Asks for the place of one keyframe among those that are long past.
 void ask(const Atlas& atlas, const Place& query, const std::vector<Place>& places,
-         const LoopOptions& options, PlaceCounts& counts) {
+         const LoopOptions& options, double apart_s, PlaceCounts& counts) {
   const KeyFrame& keyframe = atlas.at(query.id);
   const auto past = [&](KeyFrameId id) {
-    return seconds_between(atlas.at(id).stamp, keyframe.stamp) > kApart_s;
+    return seconds_between(atlas.at(id).stamp, keyframe.stamp) > apart_s;
   };
   const bool revisit = std::any_of(places.begin(), places.end(), [&](const Place& p) {
     return past(p.id) && same_place(p.T_true_camera, query.T_true_camera);
@@ -68,8 +66,8 @@ void ask(const Atlas& atlas, const Place& query, const std::vector<Place>& place
 }  // namespace
 
 void count_places(const Atlas& atlas, const std::vector<Place>& places, const LoopOptions& options,
-                  PlaceCounts& counts) {
-  for (const Place& query : places) ask(atlas, query, places, options, counts);
+                  PlaceCounts& counts, double apart_s) {
+  for (const Place& query : places) ask(atlas, query, places, options, apart_s, counts);
 }
 
 }  // namespace ydd

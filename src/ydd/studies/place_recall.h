@@ -33,9 +33,10 @@ struct PlaceCounts {
   double share(int n) const { return queries == 0 ? 0.0 : static_cast<double>(n) / queries; }
 };
 
-/// Asks for each place among those that are more than six seconds past, as a loop is looked for.
-/// The same place is what lies within 0.6 m and 20 degrees.
+/// Asks for each place among those that are more than `apart_s` past (less, and it would only be
+/// the next moment of the same look), as a loop is looked for. The same place is what lies within
+/// 0.6 m and 20 degrees.
 void count_places(const Atlas& atlas, const std::vector<Place>& places, const LoopOptions& options,
-                  PlaceCounts& counts);
+                  PlaceCounts& counts, double apart_s = 6.0);
 
 }  // namespace ydd

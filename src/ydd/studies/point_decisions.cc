@@ -91,6 +91,7 @@ Result<PointDecisions> decide_points(const std::filesystem::path& folder,
   if (!boxes) return boxes.error();
   SlamSystem system(*camera, repeatable(options, latency_frames), ObjectCatalogue::defaults(),
                     std::move(*boxes));
+  system.set_patient(true);
   PointDecisions result;
   FrameSource source(*sequence, *camera);
   for (std::size_t i = 0; auto frame = source.next(); ++i) {

@@ -47,6 +47,7 @@ Result<SimulatedRun> run_frames(const Simulator& simulator,
   const auto laid_out = std::make_shared<const Detections* const>(&boxes);
   SlamSystem system(simulator.camera(), options, ObjectCatalogue::defaults(),
                     std::make_unique<LaidOutBoxes>(laid_out));
+  system.set_patient(true);
   MotionFeed motion(std::move(senses));
   SimulatedRun run;
   for (int i = 0; i < simulator.frame_count(); ++i) {

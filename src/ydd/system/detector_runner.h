@@ -16,6 +16,7 @@
 
 namespace ydd {
 
+/// Whether every frame waits for its boxes, or gets older ones carried on to it.
 enum class DetectMode { automatic, every_frame, asynchronous };
 constexpr std::array<std::string_view, 3> choices_of(DetectMode) {
   return {"auto", "every-frame", "asynchronous"};
@@ -28,6 +29,7 @@ struct DetectOptions {
   int latency_frames = 0;
   CarryOptions carry;
   void describe(OptionTable& table);
+  /// Whether frames get older boxes, carried on to them.
   bool asynchronous() const { return mode == DetectMode::asynchronous; }
 };
 
@@ -38,18 +40,19 @@ class DetectorRunner {
  public:
   /// What the detector saw in a frame.
   struct Answer {
-    std::int64_t frame = 0;  ///< index
-    Result<Detections> detections = Detections{};
-    StageTime time;
+    std::int64_t frame = 0;                        ///< index
+    Result<Detections> detections = Detections{};  ///< what the detector said
+    StageTime time;                                ///< of the detector, for this frame
   };
 
-  explicit DetectorRunner(std::unique_ptr<Detector> detector);
+  explicit DetectorRunner(std::unique_ptr<Detector> detector);  ///< Starts its thread.
   ~DetectorRunner();
   DetectorRunner(const DetectorRunner&) = delete;
   DetectorRunner& operator=(const DetectorRunner&) = delete;
 
+  /// Gives the thread a frame to look at; not before the last one was joined.
   void start(const RgbdFrame& frame);
-  Answer join();
+  Answer join();  ///< Waits for the answer to the frame that was started last.
   /// As join(), if there is an answer by now.
   std::optional<Answer> poll();
 
@@ -73,11 +76,13 @@ class DetectorRunner {
 /// took: two runs see the same boxes. Thread: one.
 class AsynchronousDetection {
  public:
+  /// Starts its thread; boxes are carried on by the catalogue's classes.
   AsynchronousDetection(std::unique_ptr<Detector> detector, const DetectOptions& options,
                         const ObjectCatalogue& catalogue = ObjectCatalogue::defaults());
 
   /// Boxes for a frame.
   struct Boxes {
+    /// Carried on to the frame; a failure of the detector is that of the frame.
     Result<Detections> detections = Detections{};
     StageTimes times;  ///< of what the caller did, and "detect" for an answer that came
   };

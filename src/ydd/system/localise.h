@@ -11,9 +11,9 @@ namespace ydd {
 
 /// Where a camera is in a known map.
 struct Located {
-  SE3 T_world_camera;
-  MapId map;        ///< of the atlas
-  int inliers = 0;  ///< map points that agree
+  SE3 T_world_camera;  ///< where it is, in that map's world
+  MapId map;           ///< of the atlas
+  int inliers = 0;     ///< map points that agree
 };
 
 /// Where one picture of the atlas' camera was taken, by what it shows alone; nothing when its place

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/system/loop_steps.h"
 
+#include <utility>
+
 #include "ydd/base/log.h"
+#include "ydd/mapping/apply_correction.h"
 
 namespace ydd::loop_steps {
 namespace {
@@ -37,6 +40,11 @@ std::optional<Correction> correct(const Atlas& atlas, const LoopMatch& match,
   return correction;
 }
 
+void prepare(std::shared_ptr<const Atlas> atlas, Correction& correction, MappingReports& reports) {
+  StageTimer timer(reports.loop_times, "prepare_correction");
+  prepare_correction(std::move(atlas), correction);
+}
+
 void report(const Atlas& before, const LoopMatch& match, MappingReports& reports) {
   reports.loops.push_back(describe(before, match));
   const LoopReport& loop = reports.loops.back();
@@ -48,9 +56,7 @@ void report(const Atlas& before, const LoopMatch& match, MappingReports& reports
 std::optional<Correction> refine(const Atlas& atlas, KeyFrameId member, const LoopOptions& options,
                                  MappingReports& reports, const std::stop_token& stop) {
   StageTimer timer(reports.loop_times, "full_bundle");
-  auto correction = full_bundle(atlas, member, options, stop);
-  if (!correction) ++reports.loop_counts.interrupted;
-  return correction;
+  return full_bundle(atlas, member, options, stop);
 }
 
 bool count(Applied applied, MappingReports& reports) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <stop_token>
 
@@ -16,10 +17,13 @@ std::optional<LoopMatch> find(const Atlas& atlas, KeyFrameId id, const LoopOptio
 std::optional<Correction> correct(const Atlas& atlas, const LoopMatch& match,
                                   const LoopOptions& options, MappingReports& reports,
                                   const std::stop_token& stop);
+/// Does what can be done of applying it, so that the mapper need not (prepare_correction).
+void prepare(std::shared_ptr<const Atlas> atlas, Correction& correction, MappingReports& reports);
+
 /// Tells that a loop has been closed.
 void report(const Atlas& before, const LoopMatch& match, MappingReports& reports);
 
-/// Nothing if interrupted or if the map is gone.
+/// Nothing if the map is gone, or if it was interrupted before anything became better.
 std::optional<Correction> refine(const Atlas& atlas, KeyFrameId member, const LoopOptions& options,
                                  MappingReports& reports, const std::stop_token& stop);
 

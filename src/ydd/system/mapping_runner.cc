@@ -27,6 +27,7 @@ class InlineMapping final : public MappingRunner {
     return true;
   }
   bool idle() const override { return true; }
+  void wait_for_frames_before(Timestamp) override {}
   std::shared_ptr<const Atlas> atlas() const override { return atlas_; }
   Result<void> failure() const override { return failure_; }
   Result<void> finish(Ending) override {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -86,6 +87,23 @@ TEST_P(Runner, DrainsWhatWaitsAndThenRefuses) {
   EXPECT_TRUE(runner_->finish(Ending::complete));  // a second time does no harm
   EXPECT_EQ(runner_->reports().keyframes.size(), taken);
   EXPECT_THAT(runner_->atlas()->check_consistency(), IsEmpty());
+}
+
+TEST_P(Runner, FramesBeforeAStampAreMappedWhenItHasWaitedForThem) {
+  const auto view = look(walker_.world(), SE3());
+  ASSERT_TRUE(runner_->submit(candidate_of(view, 0, {}, {})).value());
+  const KeyFrameId first = runner_->atlas()->newest_keyframe();
+  for (int i = 1; i <= 6; ++i) {
+    const KeyFrameCandidate candidate =
+        candidate_of(look(walker_.world(), Walker::path(4 * i)), i, first, Walker::path(4 * i));
+    const Timestamp stamp = candidate.frame.stamp;
+    ASSERT_TRUE(runner_->submit(candidate).value()) << "one that is waited for leaves room";
+    runner_->wait_for_frames_before({stamp.ns + 1});
+    EXPECT_TRUE(runner_->idle());
+    runner_->wait_for_frames_before(stamp);  // there are none: it does not wait
+  }
+  EXPECT_TRUE(runner_->finish(Ending::complete));
+  runner_->wait_for_frames_before({std::numeric_limits<std::int64_t>::max()});
 }
 
 TEST_P(Runner, MayBeDroppedWithoutFinish) {

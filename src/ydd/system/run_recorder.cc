@@ -91,10 +91,18 @@ Json to_json(const LiveCounts& counts) {
           {"unplugged", counts.unplugged}};
 }
 
+template <class Span>
+Json spans_to_json(const std::vector<Span>& spans) {
+  Json out = Json::array();
+  for (const Span& span : spans) out.push_back({{"first", span.first}, {"last", span.last}});
+  return out;
+}
+
 Json to_json(const LoopCounts& counts) {
   return {{"keyframes_left_out", counts.keyframes_left_out},
           {"full_bundles", counts.full_bundles},
           {"full_bundles_merged", counts.full_bundles_merged},
+          {"full_bundles_begun_anew", counts.full_bundles_begun_anew},
           {"corrections_rebased", counts.rebased},
           {"corrections_refused", counts.refused},
           {"interrupted", counts.interrupted}};
@@ -172,8 +180,6 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
                                       double wall_seconds) const {
   const auto atlas = system.atlas();
   const MappingReports reports = system.mapping_reports();
-  Json lost = Json::array();
-  for (const Span& span : lost_) lost.push_back({{"first", span.first}, {"last", span.last}});
   Json skipped = Json::array();
   for (const auto& [frame, reason] : skipped_) {
     skipped.push_back({{"frame", frame}, {"reason", reason}});
@@ -208,7 +214,7 @@ std::string RunRecorder::summary_json(const RunDescription& run, const SlamSyste
       {"frames_skipped", skipped},
       {"frames_tracked", tracked_},
       {"frames_coasting", doubts_},
-      {"lost_spans", lost},
+      {"lost_spans", spans_to_json(lost_)},
       {"loops", loops_to_json(reports.loops)},
       {"loop_closing", to_json(reports.loop_counts)},
       {"live_commands", commands},

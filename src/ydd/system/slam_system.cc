@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "ydd/base/guard.h"
+#include "ydd/base/log.h"
 #include "ydd/dynamics/evidence_rules.h"
+#include "ydd/dynamics/people_boxes.h"
 #include "ydd/map/compatible.h"
 
 namespace ydd {
@@ -15,9 +17,8 @@ namespace {
 
 /// The run's camera with the lens of the map that it goes on in: new and old observations have one
 /// calibration, and what check_same_camera lets pass stays an error of a few pixels.
-Camera with_lens_of(Camera camera, const std::optional<Atlas>& map) {
-  if (!map) return camera;
-  Camera out = map->camera();
+Camera with_lens_of(const Camera& camera, const Camera& map) {
+  Camera out = map;
   out.name = camera.name;
   out.depth_scale = camera.depth_scale;
   out.min_depth_m = camera.min_depth_m;
@@ -26,14 +27,15 @@ Camera with_lens_of(Camera camera, const std::optional<Atlas>& map) {
   return out;
 }
 
-/// The map to start with: the given one, or an empty one.
-Atlas initial_atlas(const Camera& camera, const SystemOptions& options, std::optional<Atlas> map) {
-  const PyramidScales scales = PyramidScales::make(options.orb.levels, options.orb.scale_step);
-  if (!map) return {camera, scales};
-  if (!check_same_camera(map->camera(), camera) || !check_same_scales(map->scales(), scales)) {
+PyramidScales scales_of(const SystemOptions& options) {
+  return PyramidScales::make(options.orb.levels, options.orb.scale_step);
+}
+
+void check_same(const Atlas& map, const Camera& camera, const SystemOptions& options) {
+  if (!check_same_camera(map.camera(), camera) ||
+      !check_same_scales(map.scales(), scales_of(options))) {
     throw std::logic_error("SlamSystem: a map of another camera or pyramid");
   }
-  return std::move(*map);
 }
 
 std::unique_ptr<MappingRunner> make_mapping(Atlas atlas, const SystemOptions& options) {
@@ -44,18 +46,51 @@ std::unique_ptr<MappingRunner> make_mapping(Atlas atlas, const SystemOptions& op
 
 }  // namespace
 
+SlamSystem::Beginning SlamSystem::begin_with(const Camera& camera, const SystemOptions& options,
+                                             std::optional<Atlas> map) {
+  const SystemOptions resolved = options.resolved();
+  if (!map) {
+    return {camera, false, make_mapping(Atlas(camera, scales_of(resolved)), resolved), nullptr};
+  }
+  check_same(*map, camera, resolved);
+  return {with_lens_of(camera, map->camera()), !map->keyframes().empty(),
+          make_mapping(std::move(*map), resolved), nullptr};
+}
+
+SlamSystem::Beginning SlamSystem::begin_with(const Camera& camera, const SystemOptions& options,
+                                             std::unique_ptr<NearbyMap> map) {
+  const auto atlas = map->atlas();
+  check_same(*atlas, camera, options.resolved());
+  NearbyMap* const nearby = map.get();
+  return {with_lens_of(camera, atlas->camera()), true, std::move(map), nearby};
+}
+
 SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
                        ObjectCatalogue catalogue, std::unique_ptr<Detector> detector,
                        std::optional<Atlas> map)
-    : camera_(with_lens_of(camera, map)),
+    : SlamSystem(begin_with(camera, options, std::move(map)), options, std::move(catalogue),
+                 std::move(detector)) {}
+
+SlamSystem::SlamSystem(const Camera& camera, const SystemOptions& options,
+                       ObjectCatalogue catalogue, std::unique_ptr<Detector> detector,
+                       std::unique_ptr<NearbyMap> map)
+    : SlamSystem(begin_with(camera, options, std::move(map)), options, std::move(catalogue),
+                 std::move(detector)) {
+  tracker_.set_localization_only(true);
+}
+
+SlamSystem::SlamSystem(Beginning beginning, const SystemOptions& options, ObjectCatalogue catalogue,
+                       std::unique_ptr<Detector> detector)
+    : camera_(std::move(beginning.camera)),
       options_(options.resolved()),
       extractor_(options_.orb),
       judge_(options_.dynamics, std::move(catalogue)),
       evidence_(options_.dynamics.evidence, camera_),
-      tracker_(options_.tracking, map && !map->keyframes().empty()),
+      tracker_(options_.tracking, beginning.in_known_map),
       followed_(camera_, judge_.catalogue(), options_.dynamics.evidence.noise, options_.tracks),
       reckoning_(options_.reckoning),
-      mapping_(make_mapping(initial_atlas(camera, options_, std::move(map)), options_)) {
+      mapping_(std::move(beginning.mapping)),
+      nearby_(beginning.nearby) {
   if (!detector) return;
   if (options_.detect.asynchronous()) {
     asynchronous_ = std::make_unique<AsynchronousDetection>(std::move(detector), options_.detect,
@@ -72,13 +107,16 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame, std::optional<De
   report.stamp = frame.stamp;
   StageTimes total;
   StageTimer total_timer(total, "total");
+  if (patient_) wait_for_mapper(report);
   if (detector_ && !given) detector_->start(frame);
   const auto features = std::make_shared<const Features>(extract(frame, report));
   look_for_motion(frame, features, report);  // while the detector still works
+  report.looked = given || detector_;
   Result<Detections> detections = given ? *std::move(given) : ask_detector(frame, report);
   if (!detections) return detections.error();
   report.detections = std::move(*detections);
   judge(frame, *features, report);
+  look_for_place(report);
   const std::shared_ptr<const Atlas> known = atlas();
   if (auto r = track(frame, *known, report); !r) return r.error();
   settle_evidence(report);
@@ -88,6 +126,23 @@ Result<FrameReport> SlamSystem::process(const RgbdFrame& frame, std::optional<De
   total_timer.stop();
   report.times.push_back(total.front());
   return report;
+}
+
+void SlamSystem::wait_for_mapper(FrameReport& report) {
+  StageTimer timer(report.times, "wait_for_mapper");
+  const auto lag_ns = static_cast<std::int64_t>(options_.mapping_lag_s * 1e9);
+  mapping_->wait_for_frames_before({report.stamp.ns - lag_ns});
+}
+
+void SlamSystem::add(const ImuSample& sample) {
+  reckoning_.add(sample);
+  if (!options_.mapping.inertial.enabled) return;
+  // No keyframe for long means that no link will be made of what came first.
+  constexpr std::size_t kMost = 20000;
+  if (imu_for_mapping_.size() >= kMost) {
+    imu_for_mapping_.erase(imu_for_mapping_.begin(), imu_for_mapping_.begin() + kMost / 2);
+  }
+  imu_for_mapping_.push_back(sample);
 }
 
 void SlamSystem::look_for_motion(const RgbdFrame& frame,
@@ -104,6 +159,14 @@ void SlamSystem::judge(const RgbdFrame& frame, const Features& features, FrameRe
   report.judgement = judge_.judge(features, report.detections, frame.depth_m, report.odds.get());
   report.filtered =
       std::make_shared<const FilteredFeatures>(filter_features(features, report.judgement));
+}
+
+/// Of a map in a file, what a lost camera may be looking at.
+void SlamSystem::look_for_place(FrameReport& report) {
+  if (!nearby_ || tracker_.state() != TrackingState::lost) return;
+  StageTimer timer(report.times, "look_for_place");
+  nearby_->look_for(std::make_shared<const BagOfWords>(
+      bag_of_words(builtin_vocabulary(), report.filtered->kept->descriptors)));
 }
 
 void SlamSystem::settle_evidence(FrameReport& report) {
@@ -155,6 +218,14 @@ Result<Detections> SlamSystem::ask_detector(const RgbdFrame& frame, FrameReport&
   return std::move(answer.detections);
 }
 
+PictureSource SlamSystem::picture_of(const RgbdFrame& frame, const FrameReport& report) const {
+  PictureSource source{frame.colour, frame.depth_m, report.judgement.regions, report.odds};
+  if (options_.map.behind_people) return source;
+  source.people = people_boxes(report.detections, report.judgement, judge_.catalogue());
+  source.looked = report.looked;
+  return source;
+}
+
 Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, FrameReport& report) {
   TrackedFrame tracked;
   tracked.index = frame.index;
@@ -166,8 +237,7 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, Frame
   tracked.stale = repeated.stale;
   tracked.doubt = repeated.doubt;
   if (options_.map.pictures) {
-    tracked.picture = std::make_shared<const PictureSource>(
-        PictureSource{frame.colour, frame.depth_m, report.judgement.regions, report.odds});
+    tracked.picture = std::make_shared<const PictureSource>(picture_of(frame, report));
   }
   {
     StageTimer timer(report.times, "grid");
@@ -180,13 +250,16 @@ Result<void> SlamSystem::track(const RgbdFrame& frame, const Atlas& known, Frame
   std::optional<KeyFrameCandidate> candidate = std::exchange(report.track.candidate, {});
   if (candidate) {
     StageTimer timer(report.times, "submit_keyframe");
+    candidate->imu = imu_for_mapping_;
     const Result<bool> taken = mapping_->submit(std::move(*candidate));
     if (!taken) return taken.error();
     report.keyframe = *taken;
+    if (*taken) imu_for_mapping_.clear();
   }
   const bool has_pose =
       report.track.state == TrackingState::tracking || report.track.reference.valid();
   if (!has_pose) return {};
+  if (nearby_ && report.track.reference.valid()) nearby_->follow(report.track.reference);
   // The frame that starts a map is its first keyframe, which exists only now.
   if (!report.track.reference.valid()) report.track.reference = atlas()->newest_keyframe();
   trajectory_.push_back({frame.stamp, report.track.reference, report.track.T_reference_camera});
@@ -199,16 +272,26 @@ void SlamSystem::set_variant(Variant variant) {
   evidence_.clear();
 }
 
+void SlamSystem::set_localization_only(bool on) {
+  if (!on && nearby_) {
+    log::warning("only a part of the map is in memory: it is used as it is and not changed");
+    return;
+  }
+  tracker_.set_localization_only(on);
+}
+
 void SlamSystem::reset() {
   const Variant variant = judge_.options().variant;
   (void)mapping_->finish(Ending::prompt);  // its failure goes with its map
-  mapping_ = make_mapping(initial_atlas(camera_, options_, std::nullopt), options_);
+  mapping_ = make_mapping(Atlas(camera_, scales_of(options_)), options_);
+  nearby_ = nullptr;
   tracker_ = Tracker(options_.tracking);
   judge_ = DynamicsJudge(options_.dynamics, judge_.catalogue());
   judge_.set_variant(variant);
   evidence_.clear();
   followed_.clear();
   reckoning_.clear();
+  imu_for_mapping_.clear();
   if (asynchronous_) asynchronous_->forget();
   repeated_pictures_ = {};
   trajectory_.clear();
@@ -216,8 +299,17 @@ void SlamSystem::reset() {
 
 Result<void> SlamSystem::finish(Ending ending) { return mapping_->finish(ending); }
 
+namespace {
+
+Error only_a_part(const std::filesystem::path& file) {
+  return Error{file.string() + ": cannot be saved to: only a part of the map is in memory"};
+}
+
+}  // namespace
+
 Result<void> SlamSystem::autosave_to(const std::filesystem::path& file, Replacing replacing) {
-  Result<MapWriter> writer = MapWriter::open(file, replacing);
+  if (nearby_) return only_a_part(file);
+  Result<MapWriter> writer = MapWriter::open(file, replacing, map_key_);
   if (!writer) return writer.error();
   return guarded(file.native(), [&]() -> Result<void> {
     saver_ = std::make_unique<MapSaver>(std::move(*writer), options_.map.autosave_s);
@@ -226,10 +318,11 @@ Result<void> SlamSystem::autosave_to(const std::filesystem::path& file, Replacin
 }
 
 Result<void> SlamSystem::save_map(const std::filesystem::path& file) {
+  if (nearby_) return only_a_part(file);
   if (saver_ && saver_->file() == map_file_target(file)) {
     return saver_->save(atlas());
   }
-  return ydd::save_map(*atlas(), file);
+  return ydd::save_map(*atlas(), file, Replacing::lesser, map_key_);
 }
 
 MapId SlamSystem::main_map() const {

@@ -96,6 +96,22 @@ TEST_P(System, ResetForgetsEverythingAndStartsAfresh) {
   EXPECT_EQ(system.trajectory().front().stamp, wall.stamp(20));
 }
 
+TEST(PatientSystem, ThatAllowsNoLagMapsOnThreadsAsInOne) {
+  const Wall wall(kFrames);
+  SystemOptions options = options_for(false);
+  options.mapping_lag_s = 0;
+  SlamSystem patient(wall.camera(), options, ObjectCatalogue::defaults(), nullptr);
+  patient.set_patient(true);
+  SlamSystem inline_system(wall.camera(), options_for(true), ObjectCatalogue::defaults(), nullptr);
+  for (int i = 0; i < kFrames; ++i) {
+    ASSERT_TRUE(patient.process(wall.frame(i)).ok());
+    ASSERT_TRUE(inline_system.process(wall.frame(i)).ok());
+  }
+  EXPECT_TRUE(patient.finish());
+  EXPECT_TRUE(inline_system.finish());
+  EXPECT_EQ(dump_map(*patient.atlas()), dump_map(*inline_system.atlas()));
+}
+
 TEST_P(System, TheVariantCanBeSwitchedBetweenFrames) {
   const Wall wall(kFrames);
   SlamSystem system(wall.camera(), options_for(GetParam(), Variant::off),

@@ -19,7 +19,9 @@ namespace ydd {
 /// What is kept of the map besides what tracking needs, and when it is saved.
 struct MapOptions {
   bool pictures = true;
+  bool behind_people = false;  ///< in pictures: what lies in the box of a person, but farther away
   double autosave_s = 5.0;
+  int near_keyframes = 1000;
   void describe(OptionTable& table);
 };
 
@@ -36,6 +38,10 @@ struct SystemOptions {
   WorldTrackOptions tracks;
   /// Readings up to here tell of their point's place by themselves: they become points at once.
   double close_depth_m = 3.0;
+  /// Time of the recording by which mapping may be behind where frames wait for it.
+  double mapping_lag_s = 0.2;
+  /// What was seen so long ago belongs to an earlier visit of a place.
+  double revisit_s = 60.0;
   bool deterministic = false;
 
   void describe(OptionTable& table);

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <system_error>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -104,6 +105,33 @@ TEST(ThreadedMapping, APromptEndInterruptsTheLoopCloser) {
   FAIL() << "the full bundle was waited for every time";
 }
 
+/// As long as a bundle takes, the next keyframe can close a loop that makes its result worthless.
+TEST(ThreadedMapping, ANewerLoopInterruptsTheFullBundle) {
+  for (int attempt = 0; attempt < 20; ++attempt) {
+    SecondVisit visit;
+    LoopOptions options = testing_world::quick_options();
+    options.bundle.relative_decrease = 0;  // to the last digit
+    options.bundle.robust_iterations = options.bundle.final_iterations = 100;
+    const auto runner = make_threaded_mapping(visit.take_mapper(), options);
+    const double before_m = visit.error_m(*runner->atlas());
+    for (int i = 0; i < 8; ++i) {
+      (void)visit.submit_next(*runner);
+      while (!runner->idle()) std::this_thread::yield();
+    }
+    ASSERT_TRUE(runner->finish(Ending::complete));
+    const MappingReports reports = runner->reports();
+    const LoopCounts& counts = reports.loop_counts;
+    EXPECT_EQ(static_cast<std::size_t>(counts.full_bundles + counts.full_bundles_merged),
+              reports.loops.size());
+    EXPECT_GE(counts.full_bundles, 1) << "the last one is let be";
+    EXPECT_EQ(counts.interrupted, 0);
+    EXPECT_LT(visit.error_m(*runner->atlas()), before_m);
+    EXPECT_THAT(runner->atlas()->check_consistency(), IsEmpty());
+    if (counts.full_bundles_begun_anew > 0) return;
+  }
+  FAIL() << "every bundle was done before the next loop was found";
+}
+
 TEST(ThreadedMapping, AFailureReachesWhoeverAsksAndNobodyWaits) {
   SecondVisit visit;
   const auto runner = runner_for(make_threaded_mapping, visit);
@@ -153,8 +181,8 @@ TEST(ThreadedMapping, WithoutAThreadToBeHadItFailsInsteadOfHanging) {
   GTEST_SKIP() << "sanitizers need the address space";
 #endif
   SecondVisit visit;
-  // Room for no thread, and for one of the two.
-  for (const std::size_t room : {kStack / 2, kStack + kStack / 2}) {
+  // Room for no thread, for one and for two of the three.
+  for (const std::size_t room : {kStack / 2, kStack + kStack / 2, 2 * kStack + kStack / 2}) {
     const int status = status_with_room_for(room, [&] {
       try {
         const auto runner = runner_for(make_threaded_mapping, visit);

@@ -26,6 +26,7 @@ struct DoubtOptions {
 /// what lasts is how this sensor is.
 class Doubt {
  public:
+  /// Believes all to begin with.
   explicit Doubt(const DoubtOptions& options) : longest_s_(options.longest_s) {}
 
   /// Something speaks against the sensor. True when nothing did before.
@@ -33,7 +34,8 @@ class Doubt {
   /// A frame at `now` was believed. True when doubt is over, or there was none.
   bool settle(Timestamp now);
 
-  bool pending() const { return since_.has_value(); }
+  bool pending() const { return since_.has_value(); }  ///< Whether the sensor is doubted now.
+  /// Whether doubt should be given up at `now`: the option says after how long.
   bool lasts_too_long(Timestamp now) const;
   const std::string& reason() const { return reason_; }  ///< the newest; empty: none
 

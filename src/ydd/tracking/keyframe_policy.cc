@@ -16,6 +16,14 @@ void KeyframePolicyOptions::describe(OptionTable& t) {
         "insert when the view has turned more against the reference keyframe");
   t.add("max_translation_share", max_translation_share, {0.0, 100.0}, "",
         "insert when the camera is farther from the reference keyframe, by median depth");
+  t.add("known_rotation_rad", known_rotation_rad, {0.0, 3.2}, "rad",
+        "a keyframe of an earlier visit that looks at most so far elsewhere makes a place known");
+  t.add("known_translation_share", known_translation_share, {0.0, 100.0}, "",
+        "and that stands at most so far away, by median depth");
+  t.add("known_inliers", known_inliers, {0, 10000}, "",
+        "in a known place insert at once below this number of tracked points");
+  t.add("known_interval_s", known_interval_s, {0.0, 3600.0}, "s",
+        "in a known place insert otherwise only after this");
   t.add("min_inliers", min_inliers, {0, 10000}, "", "never insert with fewer tracked points");
 }
 
@@ -29,6 +37,10 @@ bool needs_keyframe(const KeyframeSituation& s, const KeyframePolicyOptions& o) 
       s.rotation_rad > o.max_rotation_rad || s.translation_share > o.max_translation_share;
   const bool view_changed = s.inliers < ratio * s.reference_points || needs_close || moved;
   const bool weak = s.inliers < o.weak_ratio * s.reference_points || needs_close;
+  if (s.known_place && s.since_keyframe_s < o.known_interval_s &&
+      s.inliers >= o.weak_ratio * s.reference_points && s.inliers >= o.known_inliers) {
+    return false;
+  }
   const bool due = s.since_keyframe_s >= o.max_interval_s || s.mapper_idle || weak;
   return view_changed && due;
 }

@@ -15,6 +15,11 @@ struct KeyframePolicyOptions {
   int min_inliers = 15;
   double max_rotation_rad = 0.10;
   double max_translation_share = 0.10;
+  double known_rotation_rad = 0.20;
+  double known_translation_share = 0.20;
+  int known_inliers = 50;
+  double known_interval_s = 5.0;
+  double revisit_s = 60.0;  ///< SystemOptions sets it
   void describe(OptionTable& table);
 };
 
@@ -29,12 +34,19 @@ struct KeyframeSituation {
   double rotation_rad = 0;       ///< against the reference keyframe
   double translation_share = 0;  ///< distance to the reference keyframe by median depth
   bool mapper_idle = true;       ///< nothing waits in front of the mapper
+  /// A keyframe of long ago stands here already and looks the same way.
+  bool known_place = false;
 };
 
 /// True when the map would gain from this frame: the view has changed (few of the reference
 /// keyframe's points are left, or it was taken from elsewhere), near points are unmapped, or a
 /// second has passed and the mapper has nothing to do. After Mur-Artal and Tardos, "ORB-SLAM2",
 /// IEEE T-RO 2017, section III-E.
+///
+/// In a place that was mapped on an earlier visit only when what is known of it is hardly enough to
+/// be tracked (other light, other things), or a few seconds have passed: what is new is taken up,
+/// slowly. After Churchill and Newman, "Experience-based navigation for long-term localisation",
+/// IJRR 2013, who store a new experience of a place when the old ones fail.
 bool needs_keyframe(const KeyframeSituation& situation, const KeyframePolicyOptions& options);
 
 }  // namespace ydd

@@ -90,6 +90,32 @@ const Case kCases[] = {
        s.inliers = 110;
      },
      true},
+    {"MovedOnInAKnownPlace",
+     [](KeyframeSituation& s) {
+       s.translation_share = 0.2;
+       s.known_place = true;
+     },
+     false},
+    {"MovedOnInAKnownPlaceAfterAWhile",
+     [](KeyframeSituation& s) {
+       s.translation_share = 0.2;
+       s.known_place = true;
+       s.since_keyframe_s = 5.0;
+     },
+     true},
+    {"HardlyAnythingKnownLeftInAKnownPlace",
+     [](KeyframeSituation& s) {
+       s.inliers = 60;
+       s.known_place = true;
+     },
+     true},
+    {"FewPointsInAKnownPlace",
+     [](KeyframeSituation& s) {
+       s.inliers = 49;
+       s.reference_points = 100;
+       s.known_place = true;
+     },
+     true},
 };
 
 INSTANTIATE_TEST_SUITE_P(Table, KeyframePolicy, testing::ValuesIn(kCases),
@@ -99,7 +125,7 @@ TEST(KeyframePolicyOptions, AreInTheTable) {
   KeyframePolicyOptions options;
   OptionTable table;
   options.describe(table);
-  EXPECT_EQ(table.options().size(), 8U);
+  EXPECT_EQ(table.options().size(), 12U);
   ASSERT_TRUE(table.set("max_rotation_rad", "0.02", "test"));
   KeyframeSituation s = calm();
   s.rotation_rad = 0.03;

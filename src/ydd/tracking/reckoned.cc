@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the tracker does with the senses of motion that a robot has besides its camera.
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "ydd/base/log.h"
 #include "ydd/tracking/tracker.h"
@@ -77,14 +79,50 @@ bool Tracker::is_where_reckoned(const TrackedFrame& frame) const {
          off.angle_rad() < kSlack_rad + kSigmas * reckoned.sigma_rad;
 }
 
+/// Whether it sees what is farther away than the surfaces that it must see where it is reckoned.
+/// People and darkness hide them, but do not do that: the camera has been carried elsewhere.
+bool Tracker::looks_through_the_map(const TrackedFrame& frame, const Atlas& atlas) const {
+  constexpr float kAround_px = 12.0F;
+  constexpr double kTolerance_m = 0.15, kToleranceShare = 0.05, kShare = 0.2;
+  constexpr int kLeast = 10, kAllOctaves = 32;
+  const Features& f = frame.features();
+  int judged = 0, through = 0;
+  std::vector<int> around;
+  for (const MapPointId id : last_->points) {
+    const MapPoint* const point = atlas.find(id);
+    if (!point) continue;
+    const Eigen::Vector3d p_camera = frame.T_camera_world * point->p_world;
+    if (p_camera.z() <= 0.1) continue;
+    const Eigen::Vector2f px = atlas.camera().project(p_camera).cast<float>();
+    frame.grid->query(px.x(), px.y(), kAround_px, 0, kAllOctaves, around);
+    double nearest_m = std::numeric_limits<double>::infinity();
+    for (const int i : around) {
+      const double depth_m = f.depth_m[static_cast<std::size_t>(i)];
+      if (depth_m > 0) nearest_m = std::min(nearest_m, depth_m);
+    }
+    if (!std::isfinite(nearest_m)) continue;
+    ++judged;
+    if (nearest_m > (1 + kToleranceShare) * p_camera.z() + kTolerance_m) ++through;
+  }
+  return through >= kLeast && through > kShare * judged;
+}
+
 /// Nothing that is known was found: the pose is what the senses of motion say, if they do.
-std::optional<TrackResult> Tracker::finish_reckoned(TrackedFrame frame, const TrackResult& failed) {
+std::optional<TrackResult> Tracker::finish_reckoned(TrackedFrame frame, const Atlas& atlas,
+                                                    const TrackResult& failed) {
   if (!frame.reckoned || state_ != TrackingState::tracking) return std::nullopt;
   const double blind_s = seconds_between(last_->stamp, frame.stamp);
   if (!frame.reckoned->has_place && blind_s > kSteady_s) return std::nullopt;
   const SE3 T_now_last = predicted_motion(frame);
   frame.T_camera_world = T_now_last * last_->T_camera_world;
-  if (!T_reckoned_last_) log::warning("frame {}: {}", frame.index, kNothingKnown);
+  if (!T_reckoned_last_) {  // seen a moment ago: what should be in view is known
+    if (frame.doubt.empty() && looks_through_the_map(frame, atlas)) {
+      log::warning("frame {}: the view contradicts the motion sensors: carried elsewhere?",
+                   frame.index);
+      return std::nullopt;
+    }
+    log::warning("frame {}: {}", frame.index, kNothingKnown);
+  }
   TrackResult result;
   result.times = failed.times;
   result.state = TrackingState::coasting;

@@ -7,6 +7,7 @@
 namespace ydd {
 namespace {
 
+using testing_world::PointWorld;
 using testing_world::position_error_m;
 using testing_world::Walk;
 
@@ -70,7 +71,8 @@ TEST(ReckonedTracking, AnUnknownViewEntersTheSameMap) {
   walk.set_senses(drifting(0));
   for (int i = 0; i < 40; ++i) walk.step();
   const std::size_t before = walk.atlas().keyframes().size();
-  int frames = 0;
+  walk.step_blind();
+  int frames = 1;
   while (!walk.step_elsewhere().candidate) ASSERT_LT(++frames, 40);
   EXPECT_GE(frames, 15) << "half a second is given to find what is known";
   EXPECT_EQ(walk.atlas().keyframes().size(), before + 1);
@@ -88,8 +90,36 @@ TEST(ReckonedTracking, LocalizationOnlyMapsNoUnknownView) {
   for (int i = 0; i < 40; ++i) walk.step();
   walk.tracker().set_localization_only(true);
   const std::size_t before = walk.atlas().keyframes().size();
+  walk.step_blind();
   for (int i = 0; i < 40; ++i) EXPECT_FALSE(walk.step_elsewhere().candidate);
   EXPECT_EQ(walk.atlas().keyframes().size(), before);
+}
+
+/// Wheels of a robot that is carried feel nothing: what it then sees through walls tells.
+TEST(ReckonedTracking, WhoSeesThroughTheMapHasBeenCarried) {
+  Walk walk;
+  walk.set_senses(drifting(0));
+  for (int i = 0; i < 40; ++i) walk.step();
+  PointWorld hall = testing_world::make_world(1200, 80);
+  for (std::size_t i = 0; i < hall.p_world.size(); ++i) {  // a wall behind most of the room
+    const double farther = 3.9 / hall.p_world[i].z();
+    hall.p_world[i] *= farther;
+    hall.farthest_m[i] *= farther;
+  }
+  const TrackResult carried = walk.step_in(hall, Walk::path(40), 1.0);
+  EXPECT_FALSE(carried.reckoned);
+  ASSERT_TRUE(carried.candidate) << "a young map is left at once";
+  EXPECT_FALSE(carried.candidate->reference.valid()) << "for a new one";
+}
+
+TEST(ReckonedTracking, WhatStandsBeforeTheMapContradictsNothing) {
+  Walk walk;
+  walk.set_senses(drifting(0));
+  for (int i = 0; i < 40; ++i) walk.step();
+  PointWorld crowd = testing_world::make_world(1200, 80);
+  for (Eigen::Vector3d& p : crowd.p_world) p *= 0.3;
+  for (double& m : crowd.farthest_m) m *= 0.3;
+  EXPECT_EQ(walk.step_in(crowd, Walk::path(40), 1.0).state, TrackingState::coasting);
 }
 
 /// A place that looks like a known one is not that place where the senses know better.

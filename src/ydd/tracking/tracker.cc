@@ -2,7 +2,6 @@
 #include "ydd/tracking/tracker.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "ydd/base/log.h"
@@ -38,26 +37,14 @@ std::vector<KeyFrameId> recent_keyframes(const Atlas& atlas, KeyFrameId referenc
   return out;
 }
 
-/// Median of the depth readings; infinite when there is none.
-double median_depth_m(const Features& features) {
-  std::vector<float> depths_m;
-  depths_m.reserve(features.size());
-  for (const float depth_m : features.depth_m) {
-    if (depth_m > 0) depths_m.push_back(depth_m);
-  }
-  if (depths_m.empty()) return std::numeric_limits<double>::infinity();
-  const auto middle = depths_m.begin() + static_cast<std::ptrdiff_t>(depths_m.size() / 2);
-  std::nth_element(depths_m.begin(), middle, depths_m.end());
-  return *middle;
-}
-
 }  // namespace
 
 Tracker::Tracker(const TrackerOptions& options, bool in_known_map)
     : options_(options),
       state_(in_known_map ? TrackingState::lost : TrackingState::initializing),
       depth_watch_(options.doubt),
-      doubt_(options.doubt) {}
+      doubt_(options.doubt),
+      settled_(!in_known_map) {}
 
 TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_idle) {
   frame.points.assign(frame.features().size(), MapPointId{});
@@ -78,7 +65,7 @@ TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_i
       return finish_coasting(std::move(bare), atlas, std::move(result), kDepthContradicts);
     }
   }
-  if (std::optional<TrackResult> reckoned = finish_reckoned(frame, result)) return *reckoned;
+  if (std::optional<TrackResult> reckoned = finish_reckoned(frame, atlas, result)) return *reckoned;
   if (doubt_.pending() && !doubt_.lasts_too_long(frame.stamp)) {
     return finish_doubted(std::move(frame), atlas, std::move(result), doubt_.reason());
   }
@@ -117,6 +104,7 @@ TrackResult Tracker::initialize(TrackedFrame frame) {
   if (!shows_enough(frame) || localization_only_) return result;
   frame.T_camera_world = SE3();
   last_ = frame;
+  settled_ = true;
   last_candidate_stamp_ = frame.stamp;
   result.state = TrackingState::tracking;
   result.points = frame.points;
@@ -138,9 +126,9 @@ void Tracker::refresh_last_frame(const Atlas& atlas) {
   if (!last_) return;  // lost since the start
   // The mapper may have moved the reference, merged points, or made a keyframe of the last frame.
   const KeyFrameId newest = atlas.newest_keyframe();
-  const KeyFrame& keyframe = atlas.at(newest);
-  if (keyframe.shared_features == last_->shared_features) {
-    last_->points = keyframe.points;
+  const KeyFrame* const keyframe = atlas.find(newest);  // null: not in this part of the map
+  if (keyframe && keyframe->shared_features == last_->shared_features) {
+    last_->points = keyframe->points;
     last_reference_ = newest;
     T_reference_last_ = SE3();
   }
@@ -148,8 +136,10 @@ void Tracker::refresh_last_frame(const Atlas& atlas) {
     const SE3 T_world_last = *T_world_reference * T_reference_last_;
     last_->T_camera_world = T_world_last.inverse();
     // A culled reference can be no fallback and has no neighbours: go on with the one it hangs on.
-    if (!atlas.find(last_reference_)) {
-      last_reference_ = atlas.nearest_kept(last_reference_);
+    // One that is not in this part of the map has a place, and nothing that it hangs on.
+    const KeyFrameId kept = atlas.nearest_kept(last_reference_);
+    if (kept.valid() && kept != last_reference_) {
+      last_reference_ = kept;
       T_reference_last_ = atlas.at(last_reference_).T_world_camera.inverse() * T_world_last;
     }
   }
@@ -212,8 +202,17 @@ std::optional<PoseFromMatches> Tracker::pose_by_relocalization(const TrackedFram
                                                                const Atlas& atlas) const {
   // Where it has just been it may be without further proof; elsewhere the place must be unlike
   // every other one.
-  auto found = relocalize(atlas, frame, recent_keyframes(atlas, last_reference_),
-                          options_.relocalization, options_.pose, options_.match);
+  const std::vector<KeyFrameId> recent = recent_keyframes(atlas, last_reference_);
+  std::optional<Relocalization> found;
+  if (!settled_) {  // it has been nowhere yet
+    std::vector<KeyFrameId> places = similar_places(frame, atlas);
+    places.insert(places.end(), recent.begin(), recent.end());
+    found = relocalize_uniquely(atlas, frame, places, options_.relocalization, options_.pose,
+                                options_.match);
+    return found ? std::optional(PoseFromMatches{found->T_camera_world, found->inliers})
+                 : std::nullopt;
+  }
+  found = relocalize(atlas, frame, recent, options_.relocalization, options_.pose, options_.match);
   if (!found && is_reckoned(frame)) {  // which of two alike places it is, the senses know
     found = relocalize(atlas, frame, similar_places(frame, atlas), options_.relocalization,
                        options_.pose, options_.match);
@@ -271,6 +270,7 @@ bool Tracker::contradicted(const Atlas& atlas, const Eigen::Vector3d& p_world,
 
 void Tracker::count_views(const Atlas& atlas, const LocalMap& local, const LocalSearch& search,
                           const TrackedFrame& frame) {
+  if (localization_only_) return;  // nobody is told
   const auto entry = [&](MapPointId id) -> Views& {
     if (views_.size() <= id.slot) views_.resize(id.slot + 1);
     Views& views = views_[id.slot];
@@ -318,37 +318,12 @@ void Tracker::set_pose(const Atlas& atlas, TrackedFrame& frame, const LocalMap& 
       atlas.at(result.reference).T_world_camera.inverse() * result.T_world_camera;
 }
 
-KeyframeSituation Tracker::situation(const Atlas& atlas, const TrackedFrame& frame,
-                                     const TrackResult& result, bool mapper_idle) const {
-  KeyframeSituation s;
-  s.since_keyframe_s = seconds_between(last_candidate_stamp_, frame.stamp);
-  s.inliers = result.inliers;
-  // Points seen from one keyframe only are unproven, but a young map has no others.
-  const std::size_t proven = atlas.keyframes().size() <= 2 ? 1 : 2;
-  for (const MapPointId id : atlas.at(result.reference).points) {
-    const MapPoint* point = atlas.find(id);
-    if (point && point->observations.size() >= proven) {
-      ++s.reference_points;
-    }
-  }
-  for (std::size_t i = 0; i < frame.points.size(); ++i) {
-    const float depth_m = frame.features().depth_m[i];
-    if (depth_m <= 0 || depth_m > options_.close_depth_m) continue;
-    ++(frame.points[i].valid() ? s.close_tracked : s.close_untracked);
-  }
-  s.keyframes = static_cast<int>(atlas.keyframes().size());
-  s.rotation_rad = result.T_reference_camera.angle_rad();
-  s.translation_share =
-      result.T_reference_camera.translation().norm() / median_depth_m(frame.features());
-  s.mapper_idle = mapper_idle;
-  return s;
-}
-
 TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
                                     bool mapper_idle) {
   if (state_ == TrackingState::lost || T_reckoned_last_) {
     log::info("frame {}: tracking again", frame.index);
   }
+  settle(frame);
   take_motion(frame, result);
   state_ = result.state = TrackingState::tracking;
   lost_since_.reset();
@@ -357,7 +332,7 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   result.points = frame.points;
   StageTimer timer(result.times, "keyframe_decision");
   const bool believed = doubt_.settle(frame.stamp);
-  if (!localization_only_ && believed && !frame.stale &&
+  if (!localization_only_ && settled_ && believed && !frame.stale &&
       needs_keyframe(situation(atlas, frame, result, mapper_idle), options_.keyframe)) {
     last_candidate_stamp_ = frame.stamp;
     result.candidate =
@@ -366,6 +341,15 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   last_ = std::move(frame);
   timer.stop();
   return result;
+}
+
+/// A wrong place could bear itself out by keyframes of its own: only old points may do so.
+void Tracker::settle(const TrackedFrame& frame) {
+  if (settled_) return;
+  if (state_ == TrackingState::lost || !arrived_) {
+    arrived_ = last_candidate_stamp_ = frame.stamp;
+  }
+  settled_ = seconds_between(*arrived_, frame.stamp) >= options_.arrival_s;
 }
 
 bool Tracker::moves_as_a_body(const TrackedFrame& frame) const {

@@ -16,6 +16,7 @@
 
 namespace ydd {
 
+/// Whether it is known where the camera is.
 enum class TrackingState {
   initializing,  ///< no map yet
   tracking,
@@ -23,7 +24,7 @@ enum class TrackingState {
              ///< the pose: nothing of it enters the map
   lost,      ///< the map exists, the camera's place in it is unknown
 };
-std::string_view to_string(TrackingState state);
+std::string_view to_string(TrackingState state);  ///< The state's name in files: "tracking".
 
 /// The settings of each step of tracking; describe() has the sentences.
 struct TrackerOptions {
@@ -41,6 +42,7 @@ struct TrackerOptions {
   double close_depth_m = 3.0;  ///< SystemOptions sets it
   int place_candidates = 5;
   double new_map_after_s = 3.0;
+  double arrival_s = 1.0;
   int young_map_keyframes = 5;
   double map_reckoned_after_s = 0.5;
   DoubtOptions doubt;
@@ -49,12 +51,12 @@ struct TrackerOptions {
 
 /// What became of a frame.
 struct TrackResult {
-  TrackingState state = TrackingState::initializing;
-  SE3 T_world_camera;    ///< valid when the reference is
-  KeyFrameId reference;  ///< valid when tracking, except for the frame that starts a map; when
-                         ///< coasting, where the colour image alone tells the pose
-  std::string doubt;     ///< why it coasts
-  SE3 T_reference_camera;
+  TrackingState state = TrackingState::initializing;  ///< after this frame
+  SE3 T_world_camera;                                 ///< valid when the reference is
+  KeyFrameId reference;    ///< valid when tracking, except for the frame that starts a map; when
+                           ///< coasting, where the colour image alone tells the pose
+  std::string doubt;       ///< why it coasts
+  SE3 T_reference_camera;  ///< where the camera was in the frame of the reference keyframe
   std::optional<SE3> T_camera_last;        ///< the camera's motion since the last frame with a pose
   std::optional<SE3> T_camera_seen;        ///< the same since the last frame whose pose was seen
   std::optional<ReckonedMotion> reckoned;  ///< what the pose is from, where it was not seen
@@ -62,8 +64,9 @@ struct TrackResult {
   int inliers = 0;                         ///< map points that agree with the final pose
   int local_points = 0;                    ///< size of the local map
   std::vector<MapPointId> points;          ///< per keypoint of the frame
+  /// What the map should keep of the frame; none: nothing.
   std::optional<KeyFrameCandidate> candidate;
-  StageTimes times;
+  StageTimes times;  ///< of its steps, in order
 };
 
 /// Follows the camera from frame to frame against the newest map.
@@ -87,9 +90,10 @@ class Tracker {
   /// Whether to propose no keyframe and start no map, however long it is lost. May be switched
   /// between any two frames.
   void set_localization_only(bool on) { localization_only_ = on; }
+  /// Whether it proposes nothing; see set_localization_only.
   bool localization_only() const { return localization_only_; }
 
-  TrackingState state() const { return state_; }
+  TrackingState state() const { return state_; }  ///< After the newest frame.
 
  private:
   struct Views {
@@ -124,6 +128,9 @@ class Tracker {
                 TrackResult& result);
   KeyframeSituation situation(const Atlas& atlas, const TrackedFrame& frame,
                               const TrackResult& result, bool mapper_idle) const;
+  void settle(const TrackedFrame& frame);
+  bool is_known_place(const Atlas& atlas, const TrackedFrame& frame, const TrackResult& result,
+                      double depth_m) const;
   TrackResult finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
                              bool mapper_idle);
   TrackResult finish_coasting(TrackedFrame frame, const Atlas& atlas, TrackResult result,
@@ -131,7 +138,9 @@ class Tracker {
   TrackResult finish_lost(TrackedFrame frame, const Atlas& atlas, TrackResult result);
   TrackResult finish_doubted(TrackedFrame frame, const Atlas& atlas, TrackResult result,
                              std::string doubt);  // a copy: often the reason that is replaced
-  std::optional<TrackResult> finish_reckoned(TrackedFrame frame, const TrackResult& failed);
+  std::optional<TrackResult> finish_reckoned(TrackedFrame frame, const Atlas& atlas,
+                                             const TrackResult& failed);
+  bool looks_through_the_map(const TrackedFrame& frame, const Atlas& atlas) const;
   void map_reckoned(TrackedFrame frame, TrackResult& result);
   bool shows_enough(const TrackedFrame& frame) const;
   bool is_reckoned(const TrackedFrame& frame) const;
@@ -158,6 +167,8 @@ class Tracker {
   Doubt doubt_;
   Timestamp last_candidate_stamp_;
   std::optional<Timestamp> lost_since_;
+  std::optional<Timestamp> arrived_;  ///< when a place of a map was found that it never was in
+  bool settled_ = true;               ///< that it stands there has been borne out since
   bool localization_only_ = false;
   std::vector<Views> views_;           ///< by slot of the point
   std::vector<std::uint32_t> viewed_;  ///< slots with views since the last candidate

@@ -39,9 +39,29 @@ TEST(Tracker, FindsItsPlaceInAMapThatIsThereAndExtendsIt) {
   const TrackResult found = walk.step();
   ASSERT_EQ(found.state, TrackingState::tracking);
   EXPECT_LT(position_error_m(found.T_world_camera, Walk::path(61)), 0.02);
-  for (int i = 0; i < 60; ++i) ASSERT_EQ(walk.step().state, TrackingState::tracking);
+  for (int i = 0; i < 28; ++i) EXPECT_FALSE(walk.step().candidate.has_value()) << "arrival_s";
+  for (int i = 28; i < 60; ++i) ASSERT_EQ(walk.step().state, TrackingState::tracking);
   EXPECT_GT(walk.atlas().keyframes().size(), keyframes);
   EXPECT_EQ(walk.atlas().maps(), 1U);
+}
+
+/// Keyframes that a second round adds, when what is so old belongs to an earlier visit.
+std::size_t added_by_second_round(double revisit_s) {
+  Walk walk;
+  for (int i = 0; i < 120; ++i) walk.step();
+  TrackerOptions options;
+  options.arrival_s = 0;
+  options.keyframe.revisit_s = revisit_s;
+  walk.restart(options);
+  const std::size_t before = walk.atlas().keyframes().size();
+  for (int i = 0; i < 120; ++i) walk.step();
+  return walk.atlas().keyframes().size() - before;
+}
+
+TEST(Tracker, AddsLittleToAPlaceOfAnEarlierVisit) {
+  const std::size_t as_new = added_by_second_round(60.0);
+  EXPECT_GT(as_new, 4U);
+  EXPECT_LE(3 * added_by_second_round(0.5), as_new);
 }
 
 TEST(Tracker, StartsANewMapWhereTheOneThatIsThereIsNotSeen) {

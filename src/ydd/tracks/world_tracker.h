@@ -21,7 +21,8 @@ struct WorldTrack {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();    ///< world: the middle of it
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< world
   Eigen::Vector3d extent_m = Eigen::Vector3d::Zero();      ///< width, height, depth for the camera
-  Eigen::Matrix3d position_covariance_m2 = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d position_covariance_m2 = Eigen::Matrix3d::Identity();  ///< of position_m, world
+  /// Of velocity_m_s, world.
   Eigen::Matrix3d velocity_covariance_m2_s2 = Eigen::Matrix3d::Identity();
   double age_s = 0;               ///< since it was first seen
   double unseen_s = 0;            ///< since it was seen last; 0: in this frame
@@ -37,6 +38,7 @@ struct WorldTrack {
 /// Thread: one. Deterministic.
 class WorldTracker {
  public:
+  /// Follows nobody yet.
   explicit WorldTracker(const WorldTrackOptions& options) : options_(options) {}
 
   /// A frame with a pose. Where stamps fall back, no time has passed.

@@ -182,6 +182,51 @@ void add_grid(MapScene& scene) {
   }
 }
 
+constexpr double kStands_m_s = 0.05;  // slower than this shows no arrow
+
+/// Edges of a box with these half axes.
+void add_box(Vertices& lines, const Eigen::Vector3d& centre, const Eigen::Matrix3d& half_axes,
+             Rgba colour) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d along = half_axes.col(axis);
+    for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+      const Eigen::Vector3d middle =
+          centre + a * half_axes.col((axis + 1) % 3) + b * half_axes.col((axis + 2) % 3);
+      add_line(lines, middle - along, middle + along, colour);
+    }
+  }
+}
+
+void add_arrow(Vertices& lines, const Eigen::Vector3d& from, const Eigen::Vector3d& way,
+               const Eigen::Vector3d& up, Rgba colour) {
+  const Eigen::Vector3d tip = from + way;
+  const Eigen::Vector3d side = 0.12 * way.cross(up);
+  add_line(lines, from, tip, colour);
+  add_line(lines, tip, tip - 0.25 * way + side, colour);
+  add_line(lines, tip, tip - 0.25 * way - side, colour);
+}
+
+/// A box stands upright, its width across the line of sight: extents are as the camera saw them.
+void add_track(const WorldTrack& track, const SE3& T_now_told, const Eigen::Vector3d& eye,
+               const Eigen::Vector3d& up, CurrentScene& scene) {
+  constexpr double kLeast_m = 0.05;
+  const Eigen::Vector3d centre = T_now_told * track.position_m;
+  const Eigen::Vector3d sight = centre - eye;
+  Eigen::Vector3d ahead = sight - sight.dot(up) * up;
+  ahead = ahead.norm() > 1e-6 ? ahead.normalized() : up.unitOrthogonal();
+  const Eigen::Vector3d half_m = 0.5 * track.extent_m.cwiseMax(kLeast_m);
+  Eigen::Matrix3d half_axes;
+  half_axes << half_m.x() * ahead.cross(up), half_m.y() * up, half_m.z() * ahead;
+  Rgba colour = scene_colour::kTrack;
+  if (track.unseen_s > 0) colour[3] = 110;
+  add_box(scene.tracks, centre, half_axes, colour);
+  if (track.velocity_m_s.norm() >= kStands_m_s) {
+    add_arrow(scene.tracks, centre, T_now_told.rotation() * track.velocity_m_s, up, colour);
+  }
+  scene.labels.push_back(
+      {centre + 1.1 * half_axes.col(1), track.class_name + " " + std::to_string(track.id), colour});
+}
+
 struct Tracked {
   KeyFrameId reference;  ///< empty: never tracked
   SE3 T_reference_camera;
@@ -218,7 +263,8 @@ MapScene build_map_scene(const LiveFrame& live, const StampedPoses& groundtruth)
   return scene;
 }
 
-CurrentScene build_current_scene(const LiveFrame& live, const Camera& camera) {
+CurrentScene build_current_scene(const LiveFrame& live, const Camera& camera,
+                                 const Eigen::Vector3d& up) {
   CurrentScene scene;
   const auto [reference, T_reference_camera] = last_tracked(live);
   if (const auto T_world_reference = live.atlas->T_world_keyframe(reference)) {
@@ -233,6 +279,14 @@ CurrentScene build_current_scene(const LiveFrame& live, const Camera& camera) {
     add_pyramid(scene.camera, *scene.T_world_camera, 0.5 * camera.width_px / camera.fx_px,
                 0.5 * camera.height_px / camera.fy_px, kCameraSize_m,
                 lost ? scene_colour::kLost : scene_colour::kTracking);
+    // Tracks were told in the world as it was; the map may have been corrected since.
+    const TrackResult& told = live.report->track;
+    const SE3 T_now_told = told.state == TrackingState::tracking
+                               ? *scene.T_world_camera * told.T_world_camera.inverse()
+                               : SE3();
+    for (const WorldTrack& track : live.report->tracks) {
+      add_track(track, T_now_told, scene.T_world_camera->translation(), up, scene);
+    }
   }
   return scene;
 }

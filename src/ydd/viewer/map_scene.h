@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -35,6 +36,7 @@ inline constexpr Rgba kError{255, 70, 70, 200};
 inline constexpr Rgba kTracking{60, 255, 90, 255};
 inline constexpr Rgba kLost{255, 70, 70, 255};
 inline constexpr Rgba kGrid{255, 255, 255, 22};
+inline constexpr Rgba kTrack{213, 139, 224, 255};
 }  // namespace scene_colour
 
 /// What the map looks like: of the map that tracking is in; other maps have worlds of their own.
@@ -51,13 +53,25 @@ struct MapScene {
 };
 MapScene build_map_scene(const LiveFrame& live, const StampedPoses& groundtruth);
 
+/// A name and the place in the world where it belongs.
+struct SceneLabel {
+  Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
+  std::string text;
+  Rgba colour{};
+};
+
 /// What belongs to the newest frame alone.
 struct CurrentScene {
   Vertices seen_points;               ///< points: map points found in it
   Vertices camera;                    ///< lines: its pyramid, red while lost
   std::optional<SE3> T_world_camera;  ///< where it was last known to be
+  Vertices tracks;  ///< lines: a box round each person and moving thing, upright, and an arrow to
+                    ///< where it will be in a second; paler while it is not seen
+  std::vector<SceneLabel> labels;  ///< class and number above each box
 };
-CurrentScene build_current_scene(const LiveFrame& live, const Camera& camera);
+/// `up` as MapScene has it.
+CurrentScene build_current_scene(const LiveFrame& live, const Camera& camera,
+                                 const Eigen::Vector3d& up = {0, -1, 0});
 
 /// The map that tracking is in, or was in last. Empty while there is none.
 MapId current_map(const LiveFrame& live);

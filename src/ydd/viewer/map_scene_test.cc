@@ -171,5 +171,48 @@ TEST(CurrentScene, ShowsSeenPointsAndTheCameraByItsState) {
   EXPECT_EQ(scene.camera.front().rgba, scene_colour::kLost);
 }
 
+WorldTrack walker() {
+  WorldTrack track;
+  track.id = 7;
+  track.class_name = "person";
+  track.position_m = {0.6, 0, 3};
+  track.extent_m = {0.5, 1.8, 0.4};
+  track.velocity_m_s = {0.5, 0, 0};
+  return track;
+}
+
+TEST(CurrentScene, PeopleAndThingsHaveBoxesArrowsAndNames) {
+  Walk walk;
+  walk.report.track.T_world_camera = Walk::pose(3);
+  WorldTrack chair = walker();
+  chair.id = 9;
+  chair.class_name = "chair";
+  chair.velocity_m_s.setZero();
+  chair.unseen_s = 0.4;
+  walk.report.tracks = {walker(), chair};
+  const CurrentScene scene = build_current_scene(walk.live(), walk.world.camera);
+  ASSERT_EQ(lines(scene.tracks), 12U + 3U + 12U) << "the chair stands: no arrow";
+  Eigen::AlignedBox3f box;
+  for (std::size_t i = 0; i < 24; ++i) box.extend(Eigen::Vector3f(scene.tracks[i].p_world.data()));
+  EXPECT_TRUE(box.sizes().isApprox(Eigen::Vector3f(0.5F, 1.8F, 0.4F), 1e-3F));
+  EXPECT_TRUE(box.center().isApprox(Eigen::Vector3f(0.6F, 0, 3), 1e-3F));
+  EXPECT_FLOAT_EQ(scene.tracks[25].p_world[0], 1.1F) << "where it is in a second";
+  EXPECT_EQ(scene.tracks.front().rgba, scene_colour::kTrack);
+  EXPECT_LT(scene.tracks.back().rgba[3], 255) << "not seen now: pale";
+  ASSERT_EQ(scene.labels.size(), 2U);
+  EXPECT_EQ(scene.labels[0].text, "person 7");
+  EXPECT_LT(scene.labels[0].p_world.y(), -0.9) << "above its head: y points down";
+  EXPECT_EQ(scene.labels[1].text, "chair 9");
+}
+
+TEST(CurrentScene, TracksFollowCorrectionsOfTheMap) {
+  Walk walk;
+  walk.report.track.T_world_camera = Walk::pose(3);
+  walk.report.tracks = {walker()};
+  walk.atlas.set_pose(walk.keyframes[3], SE3(Eigen::Quaterniond::Identity(), {0.6, 0, 1}));
+  const CurrentScene scene = build_current_scene(walk.live(), walk.world.camera);
+  EXPECT_NEAR(scene.labels.at(0).p_world.z(), 4, 1e-9);
+}
+
 }  // namespace
 }  // namespace ydd

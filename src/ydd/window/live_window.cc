@@ -129,6 +129,10 @@ class LiveWindow::Impl {
     window_.begin_frame();
     const PanelRequests requests = live_ ? draw_parts(layout) : draw_waiting();
     lively_ = live_ && map_.animate(state_.eye, elapsed_s);
+    if (live_ && state_.tracks) {
+      const double map_aspect = static_cast<double>(layout.map.width) / layout.map.height;
+      draw_labels(layout.map, map_.labels(map_aspect));
+    }
     if (at_end() && ++end_redraws_ < kSettle) lively_ = true;
     gl::clear_window(width_px, height_px);
     if (live_) map_.draw(viewport_of(layout.map, height_px), state_);

@@ -25,9 +25,10 @@ void MapView::show(std::shared_ptr<const LiveFrame> live, const LiveScene& scene
     patches_.clear();
     renewed_ns_ = 0;
   }
-  current_ = build_current_scene(*live_, scene.camera);
+  current_ = build_current_scene(*live_, scene.camera, scene_.up);
   layers_.seen_points.upload(current_.seen_points);
   layers_.camera.upload(current_.camera);
+  layers_.tracks.upload(current_.tracks);
   if (state.dense) collect_dense(scene);
   const std::int64_t now_ns = wall_clock_ns();
   stale_ = !live_->status.finished && now_ns - renewed_ns_ < kRenewEvery_ns;
@@ -111,8 +112,20 @@ void MapView::draw(const gl::Viewport& viewport, const ViewState& state) {
   if (state.truth) painter_.lines(layers_.truth, clip_from_world, 6);
   if (state.trajectory) painter_.lines(layers_.trajectory, clip_from_world, 2.5F);
   if (state.loops) painter_.lines(layers_.loops, clip_from_world, 3);
+  if (state.tracks) painter_.lines(layers_.tracks, clip_from_world, 2);
   painter_.lines(layers_.camera, clip_from_world, 2.5F);
   painter_.end();
+}
+
+std::vector<MapView::PlacedLabel> MapView::labels(double aspect) const {
+  std::vector<PlacedLabel> out;
+  const Eigen::Matrix4d clip_from_world = eye_.projection(aspect) * eye_.T_eye_world();
+  for (const SceneLabel& label : current_.labels) {
+    const Eigen::Vector4d clip = clip_from_world * label.p_world.homogeneous();
+    if (clip.w() <= 0) continue;  // behind the eye
+    out.push_back({&label, 0.5 + 0.5 * clip.x() / clip.w(), 0.5 - 0.5 * clip.y() / clip.w()});
+  }
+  return out;
 }
 
 void MapView::draw_dense(const Eigen::Matrix4d& clip_from_world) {

@@ -33,10 +33,19 @@ class MapView {
   /// Counters of what is drawn; its vertices are on the card and no longer here.
   const MapScene& scene() const { return scene_; }
 
+  /// A label and where it belongs in the picture of the map, as shares of its width and height from
+  /// the upper left corner.
+  struct PlacedLabel {
+    const SceneLabel* label;
+    double x = 0, y = 0;
+  };
+  /// Those in sight. Valid until the next `show`.
+  std::vector<PlacedLabel> labels(double aspect) const;
+
  private:
   struct Layers {
     gl::VertexBuffer points, keyframes, covisibility, loops, trajectory, truth, errors, grid;
-    gl::VertexBuffer seen_points, camera;
+    gl::VertexBuffer seen_points, camera, tracks;
   };
   struct Patch {
     KeyFrameId reference;

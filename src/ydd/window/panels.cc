@@ -168,6 +168,7 @@ void draw_layers(const PanelFacts& facts, ViewState& state, bool has_loops) {
     draw_layer("ground truth", scene_colour::kTruth, state.truth);
     draw_layer("error", scene_colour::kError, state.errors);
   }
+  draw_layer("people, things", scene_colour::kTrack, state.tracks);
   ImGui::Checkbox("floor grid", &state.grid);
   ImGui::Checkbox("dense cloud", &state.dense);
 }
@@ -228,6 +229,20 @@ void draw_charts(const PixelRect& where, const PanelFacts& facts) {
   draw_rules(facts, width, rows);
   ImGui::EndGroup();
   ImGui::End();
+}
+
+void draw_labels(const PixelRect& where, const std::vector<MapView::PlacedLabel>& labels) {
+  ImDrawList& canvas = *ImGui::GetBackgroundDrawList();
+  const ImVec2 low = corner_of(where), size = size_of(where);
+  canvas.PushClipRect(low, {low.x + size.x, low.y + size.y});
+  for (const MapView::PlacedLabel& placed : labels) {
+    const ImVec2 text = ImGui::CalcTextSize(placed.label->text.c_str());
+    const ImVec2 at(low.x + static_cast<float>(placed.x) * size.x - 0.5F * text.x,
+                    low.y + static_cast<float>(placed.y) * size.y - text.y);
+    canvas.AddText({at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 200), placed.label->text.c_str());
+    canvas.AddText(at, colour(placed.label->colour), placed.label->text.c_str());
+  }
+  canvas.PopClipRect();
 }
 
 MapGesture draw_map_overlay(const PixelRect& where, const PanelFacts& facts, ViewState& state,

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "ydd/viewer/window_layout.h"
 #include "ydd/window/gl_draw.h"
+#include "ydd/window/map_view.h"
 #include "ydd/window/view_state.h"
 
 /// The parts of the window, one function each. Called between ImGui's NewFrame and Render.
@@ -25,6 +28,8 @@ void draw_charts(const PixelRect& where, const PanelFacts& facts);
 /// What lies over the map: state at the left, layers (its legend) at the right.
 MapGesture draw_map_overlay(const PixelRect& where, const PanelFacts& facts, ViewState& state,
                             bool has_loops);
+/// Names in the map, under everything that lies over it.
+void draw_labels(const PixelRect& where, const std::vector<MapView::PlacedLabel>& labels);
 /// Does what a key stands for (docs/live-view.md lists them), unless a question is open.
 void take_key(char key, const PanelFacts& facts, ViewState& state, PanelRequests& requests);
 

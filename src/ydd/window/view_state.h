@@ -21,7 +21,7 @@ enum class EyeMode {
 /// What the user has chosen to see. Lives as long as the window.
 struct ViewState {
   bool points = true, keyframes = true, covisibility = true, loops = true;
-  bool trajectory = true, truth = true, errors = true, grid = true;
+  bool trajectory = true, truth = true, errors = true, grid = true, tracks = true;
   bool dense = false;
   EyeMode eye = EyeMode::follow;
 };
