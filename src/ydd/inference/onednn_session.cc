@@ -58,18 +58,14 @@ SessionResult make_onednn_session(std::string_view onnx, const InferenceOptions&
   if (options.precision == Precision::bfloat16 && !onednn_has_bfloat16()) {
     return Error{"precision bfloat16 needs a processor with AVX-512"};
   }
-<<<<<<< HEAD
   if (options.precision == Precision::int8 && !onednn_has_int8()) {
     return Error{"precision int8 needs oneDNN 2, this build has 3"};
   }
-  if (!onednn_has_kernels()) return Error{"oneDNN has no kernels for this processor"};
-=======
->>>>>>> h_ports
   Result<OnnxGraph> graph = read_onnx(onnx);
   if (!graph) return Error{"oneDNN cannot load it: " + graph.error().message};
   Result<LayerGraph> layers = make_layers(std::move(*graph));
   if (!layers) return Error{"oneDNN cannot load it: " + layers.error().message};
-<<<<<<< HEAD
+  if (!onednn_has_kernels()) return Error{"oneDNN has no kernels for this processor"};
   const MapNumbers numbers = numbers_of(options.precision);
   if (numbers == MapNumbers::int8) {
     const auto steps = value_steps(*layers, wide_values(*layers), options.ranges);
@@ -77,13 +73,6 @@ SessionResult make_onednn_session(std::string_view onnx, const InferenceOptions&
   }
   return std::unique_ptr<InferenceSession>(std::make_unique<OnednnSession>(
       std::move(*layers), PlanOptions{numbers, options.threads, options.ranges}));
-=======
-  if (!onednn_has_kernels()) return Error{"oneDNN has no kernels for this processor"};
-  const bool bfloat16 = options.precision == Precision::bfloat16 ||
-                        (options.precision == Precision::automatic && onednn_has_quick_bfloat16());
-  return std::unique_ptr<InferenceSession>(
-      std::make_unique<OnednnSession>(std::move(*layers), bfloat16, options.threads));
->>>>>>> h_ports
 }
 
 }  // namespace ydd
