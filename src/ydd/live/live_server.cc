@@ -44,7 +44,8 @@ constexpr std::size_t kLongestSkipped = 65536;  // a longer body is not even rea
 constexpr int kJpegQuality = 80;
 constexpr const char* kTokenLetters =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
-constexpr std::chrono::seconds kFarewell{2};         // for pages that have asked within this time
+constexpr std::chrono::seconds kFarewell{2};  // for pages that have asked within this time
+constexpr const char* kState = "/state.json";
 constexpr const char* kFinished = "X-Ydd-Finished";  // header of answers after the last frame
 constexpr int kBadRequest = 400, kForbidden = 403, kWrongMethod = 405, kNoLength = 411,
               kTooLong = 413, kWrongRange = 416, kUnavailable = 503;
@@ -173,7 +174,8 @@ class LiveServer::State {
         return httplib::Server::HandlerResponse::Handled;
       }
       if (allowed(request)) {
-        if (request.method != "POST") know(request);  // else its body is still to come
+        if (request.path == kState) last_asked_ = Clock::now();  // and again when it is answered
+        if (request.method != "POST") know(request);             // else its body is still to come
         return httplib::Server::HandlerResponse::Unhandled;
       }
       response.status = kForbidden;
@@ -187,7 +189,7 @@ class LiveServer::State {
         const std::lock_guard lock(guard_mutex_);
         guard_.answered(peer_of(request));
       }
-      if (request.path != "/state.json") return;
+      if (request.path != kState) return;
       last_asked_ = Clock::now();
       if (response.has_header(kFinished)) end_told_ = true;
     });
@@ -277,7 +279,7 @@ class LiveServer::State {
     server_.Get("/", [](const httplib::Request&, httplib::Response& response) {
       response.set_content(live_page(), "text/html; charset=utf-8");
     });
-    get("/state.json", "application/json", state_,
+    get(kState, "application/json", state_,
         [this](const LiveFrame& live) { return live_state_json(control_.scene(), live); });
     get("/map.json", "application/json", map_,
         [this](const LiveFrame& live) { return live_map_json(control_.scene(), live); });

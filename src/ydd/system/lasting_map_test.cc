@@ -24,12 +24,14 @@ namespace fs = std::filesystem;
 using testing_world::Wall;
 
 constexpr int kLastingFrames = 60;
+constexpr double kArrival_s = 0.3;  // of 1 s that the rest of the walk takes
 
 SystemOptions lasting_options(bool deterministic) {
   SystemOptions options;
   options.deterministic = deterministic;
   options.dynamics.variant = Variant::off;
   options.dynamics.compensation.points = 500;
+  options.tracking.arrival_s = kArrival_s;
   return options;
 }
 
@@ -73,7 +75,10 @@ TEST_P(LastingMap, IsSavedAndGoneOnWith) {
   }
   const auto system = start(load_map(folder_ / "a.map").value());
   const std::size_t keyframes = system->atlas()->keyframes().size();
-  EXPECT_EQ(feed(*system, 29, kLastingFrames), kLastingFrames - 29);
+  constexpr int kArrived = 29 + 8;  // within kArrival_s, nothing is added
+  EXPECT_EQ(feed(*system, 29, kArrived), kArrived - 29);
+  EXPECT_EQ(system->atlas()->keyframes().size(), keyframes);
+  EXPECT_EQ(feed(*system, kArrived, kLastingFrames), kLastingFrames - kArrived);
   EXPECT_TRUE(system->finish());
   EXPECT_GT(system->atlas()->keyframes().size(), keyframes);
   EXPECT_EQ(system->atlas()->maps(), 1U);
