@@ -313,8 +313,8 @@ class ThreadedMapping final : public MappingRunner {
       }
       return {};
     }));
-    // Whoever waits for a bundle must not wait for ever.
-    if (failure_) loop_queue_.push_over(Drain{});
+    // Whoever waits for a bundle must not wait for ever; closing needs no memory.
+    if (failure_) loop_queue_.close();
   }
 
   void solve(Bundle& bundle) {
