@@ -35,6 +35,8 @@ map                a Map, or a map file, to go on with; None: start from nothing
 localization_only  use the map without changing it
 autosave           map file that is saved every few seconds; None: none
 map_key            of all map files that are loaded and saved: as for Map.load
+live               frames come from a camera, and none waits. Else a frame waits for a mapper that is
+                   further behind than the option mapping_lag_s, in the time of the stamps
 
 One thread at a time may call it; others run while it works (it lets go of the GIL). Every failure
 is an Error with one line that tells what to do.)";
@@ -122,15 +124,16 @@ void bind_slam(py::module_& module) {
   slam.def(
       py::init([](const Camera& camera, const py::object& options, const py::object& config,
                   const py::object& detector, const py::object& objects, const py::object& map,
-                  bool localization_only, const py::object& autosave, const py::object& map_key) {
+                  bool localization_only, const py::object& autosave, const py::object& map_key,
+                  bool live) {
         return std::make_unique<Slam>(Slam::Wish{camera, options, config, detector, objects, map,
-                                                 autosave, map_key, localization_only});
+                                                 autosave, map_key, localization_only, live});
       }),
       py::arg("camera"), py::arg("options") = py::none(), py::kw_only(),
       py::arg("config") = py::none(), py::arg("detector") = "default",
       py::arg("objects") = py::none(), py::arg("map") = py::none(),
       py::arg("localization_only") = false, py::arg("autosave") = py::none(),
-      py::arg("map_key") = py::none());
+      py::arg("map_key") = py::none(), py::arg("live") = false);
   bind_pictures(slam);
   bind_run(slam);
   py::module_::import("atexit").attr("register")(py::cpp_function(&Slam::close_all));

@@ -86,6 +86,7 @@ Slam::Slam(const Wish& wish) {
   setup.T_map_world = SE3();
   setup.autosave_file = text_or_empty(wish.autosave);
   setup.map_key = map_key_from(wish.map_key);
+  setup.patient = !wish.live;
   if (PyCallable_Check(wish.detector.ptr()) != 0) {
     look_ = make_look(py::reinterpret_borrow<py::function>(wish.detector));
     setup.make_detector = [look = look_, objects = setup.catalogue] {

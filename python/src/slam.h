@@ -21,7 +21,7 @@ class Slam {
   struct Wish {
     Camera camera;
     py::object options, config, detector, objects, map, autosave, map_key;
-    bool localization_only = false;
+    bool localization_only = false, live = false;
   };
   explicit Slam(const Wish& wish);
   ~Slam();

@@ -41,6 +41,17 @@ def test_frames_tell_pose_state_points_and_rules(run, sample):
     assert frames[0].keyframe and len(slam.trajectory()) == len(frames)
 
 
+def test_a_recording_without_any_lag_of_mapping_is_mapped_as_on_one_thread(sample):
+    maps = []
+    for options in (OFF, {"mapping_lag_s": 0, "dynamics.variant": "off"}):
+        with Slam(sample.camera, options, detector=None) as slam:
+            for i in range(len(sample)):
+                slam.process(sample[i])
+            slam.finish()
+            maps.append(slam.map.points)
+    np.testing.assert_array_equal(maps[0], maps[1])
+
+
 def test_arrays_are_read_only_views_that_outlive_their_frame(run):
     kept = run[1][3].kept
     pixels, again = kept.pixels, kept.pixels

@@ -328,6 +328,7 @@ class Slam:
         localization_only: bool = False,
         autosave: Optional[_File] = None,
         map_key: Union[None, _File, bytes] = None,
+        live: bool = False,
     ) -> None: ...
     @overload
     def process(

@@ -123,6 +123,7 @@ Result<std::unique_ptr<SlamSystem>> RobotSlam::make_system(const RobotSetup& set
   auto system = std::make_unique<SlamSystem>(setup.camera, setup.options, setup.catalogue,
                                              std::move(detector), std::move(map));
   system->set_map_key(setup.map_key);
+  system->set_patient(setup.patient);
   return system;
 }
 

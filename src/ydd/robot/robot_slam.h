@@ -31,6 +31,7 @@ struct RobotSetup {
   SE3 T_map_world = axes_of_robots();   ///< world: the first camera
   std::filesystem::path autosave_file;  ///< SlamSystem::autosave_to; empty: none
   MapKey map_key;                       ///< of every map that is loaded or saved; empty: plain ones
+  bool patient = false;                 ///< for recordings: as SlamSystem::set_patient
 };
 
 /// What became of one frame.
