@@ -74,6 +74,7 @@ class StoredMap::Reader {
 
   static Database opened(const std::filesystem::path& file, const MapKey& key);
   map_format::AtlasRow read_atlas_row();
+  bool is_kept(KeyFrameId id);
   Known& known(KeyFrameId id);
   const Row& of_keyframe(const std::optional<Row>& row, KeyFrameId id) const;
   void read_what_it_saw(KeyFrameId id, Known& known);
@@ -103,6 +104,12 @@ map_format::AtlasRow StoredMap::Reader::read_atlas_row() {
   const std::optional<Row> row = database_.find(map_format::kAtlas, 1);
   if (!row) throw Fault("it does not say what is inside");
   return map_format::decode_atlas_row(*row);
+}
+
+bool StoredMap::Reader::is_kept(KeyFrameId id) {
+  if (known_.contains(id)) return true;
+  const std::optional<Row> row = database_.find(map_format::kKeyframe, id.slot);
+  return row && row->number(0) == id.generation;
 }
 
 const Row& StoredMap::Reader::of_keyframe(const std::optional<Row>& row, KeyFrameId id) const {
@@ -163,7 +170,9 @@ std::vector<KeyFrameId> StoredMap::Reader::neighbourhood(std::span<const KeyFram
     const KeyFrame& keyframe = links(out[at]);
     for (const Covisible& c : keyframe.covisible) step(c.keyframe);
     step(keyframe.parent);
-    for (const KeyFrameId id : keyframe.loops) step(id);
+    for (const KeyFrameId id : keyframe.loops) {
+      if (is_kept(id)) step(id);  // what closed the loop may have been culled since
+    }
   }
   return out;
 }

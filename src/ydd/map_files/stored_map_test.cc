@@ -31,6 +31,7 @@ Atlas walked_atlas(int views = 12) {
   AtlasParts parts;
   parts.camera = built.atlas.camera();
   parts.scales = built.atlas.scales();
+  built.atlas.add_loop(built.keyframes[3], built.keyframes[4]);  // names one that is culled next
   built.atlas.cull_keyframe(built.keyframes[4]);
   built.atlas.keyframes().for_each([&](KeyFrameId id, const KeyFrame& keyframe) {
     KeyFrame with_words = keyframe;
