@@ -101,9 +101,11 @@ TEST(Maps, LocalizationOnlyLeavesTheFileAlone) {
   const json summary = json::parse(bytes_of(folder / "b/summary.json"));
   EXPECT_EQ(summary.at("keyframes_inserted"), 0);
   // The same with only a part of the map in memory.
-  ASSERT_GT(load_map(map).value().keyframes().size(), 2U);
+  const std::size_t keyframes = load_map(map).value().keyframes().size();
+  ASSERT_GE(keyframes, 2U);
   run(room(), folder / "c",
-      {"--deterministic", "--map", map, "--localization-only", "--set", "map.near_keyframes=2"});
+      {"--deterministic", "--map", map, "--localization-only", "--set",
+       "map.near_keyframes=" + number(static_cast<int>(keyframes / 2))});
   EXPECT_TRUE(bytes_of(map) == before);
   EXPECT_EQ(trajectory_of(folder / "c").size(), static_cast<std::size_t>(kFrames));
   EXPECT_LT(ate_m(room(), trajectory_of(folder / "c")), 0.012);

@@ -151,7 +151,7 @@ class Playback {
   /// Who interrupts a run does not want to wait for a bundle adjustment.
   Result<void> finish() {
     const bool prompt = interruption::signal() != 0;
-    const Result<void> finished = system_.finish(prompt ? Ending::prompt : Ending::complete);
+    Result<void> finished = system_.finish(prompt ? Ending::prompt : Ending::complete);
     if (!live_) return finished;
     live_->finish();
     for (const auto& [after_frame, command] : live_->interventions()) {
