@@ -8,7 +8,7 @@
 namespace ydd::fuzz {
 namespace {
 
-using namespace map_format;
+using namespace map_format;  // NOLINT(google-build-using-namespace): all of it is tried
 
 std::string points_again(std::string_view bytes) {
   std::vector<std::pair<MapPointId, MapPoint>> points;

@@ -10,7 +10,7 @@
 namespace ydd::fuzz {
 namespace {
 
-using namespace map_format;
+using namespace map_format;  // NOLINT(google-build-using-namespace): all of it is tried
 
 /// Whole numbers up to 127 in one byte, others in four or eight; bytes with their length before.
 Value value_of(Pieces& pieces) {

@@ -91,7 +91,9 @@ using Ros1Fields = std::vector<std::pair<std::string, std::string>>;
 
 inline std::string ros1_fields(const Ros1Fields& fields) {
   std::string out;
-  for (const auto& [name, value] : fields) out += with_length(name + "=" + value);
+  for (const auto& [name, value] : fields) {
+    out += with_length(std::string(name).append("=").append(value));
+  }
   return out;
 }
 inline std::string ros1_text(const Ros1Fields& fields, std::string_view data) {
@@ -153,7 +155,9 @@ inline std::string mcap_bag(const WrittenMessages& messages, const std::string& 
             mcap_text(4, id + id + with_length(m.topic) + with_length(encoding) + little(0, 4));
       }
       const std::string time = little(std::uint64_t(m.received.ns), 8);
-      chunk += mcap_text(5, id + little(j, 4) + time + time + m.bytes);
+      std::string message = id + little(j, 4);
+      message.append(time).append(time).append(m.bytes);
+      chunk += mcap_text(5, message);
     }
     if (compression == "no chunks") {
       out += chunk;

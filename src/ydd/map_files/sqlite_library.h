@@ -23,7 +23,7 @@ namespace ydd::map_format {
 
 /// Functions of SQLite; what they do is in SQLite's documentation.
 struct SqliteLibrary {
-#define YDD_DECLARE(name) decltype(&::sqlite3_##name) name;
+#define YDD_DECLARE(name) decltype(&::sqlite3_##name) name;  // NOLINT: a name takes no brackets
   YDD_SQLITE_FUNCTIONS(YDD_DECLARE)
 #undef YDD_DECLARE
   /// SQLCipher's alone; null in the other.
