@@ -381,7 +381,7 @@ TEST(Maps, SurviveBeingKilledAtAnyMoment) {
                                "--save-map", map,    "--set", "map.autosave_s=0.001"};
   const auto start = std::chrono::steady_clock::now();
   ASSERT_EQ(ydd_slam(arguments).exit_code, 0);
-  const auto whole = std::chrono::steady_clock::now() - start;
+  std::chrono::nanoseconds whole = std::chrono::steady_clock::now() - start;
   std::mt19937 random(7);
   int killed = 0;
   int half_saved = 0;
@@ -390,7 +390,11 @@ TEST(Maps, SurviveBeingKilledAtAnyMoment) {
     again.insert(again.end(), {"--map", map});
     const auto after =
         std::chrono::duration_cast<std::chrono::milliseconds>(whole * (5 + random() % 85) / 100);
-    killed += killed_after(after, again, folder.path()) ? 1 : 0;
+    if (killed_after(after, again, folder.path())) {
+      ++killed;
+    } else {
+      whole /= 3;  // the machine has less to do than when this was measured
+    }
     half_saved += fs::exists(map + "-journal") || fs::exists(map + ".new") ? 1 : 0;
     ASSERT_TRUE(fs::exists(map)) << "the file was lost";
     const json held = info(map);

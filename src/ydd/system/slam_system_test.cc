@@ -46,6 +46,7 @@ INSTANTIATE_TEST_SUITE_P(Both, System, testing::Values(true, false), [](const au
 TEST_P(System, FollowsTheCameraAndResolvesEveryFrame) {
   const Wall wall(kFrames);
   SlamSystem system(wall.camera(), options_for(GetParam()), ObjectCatalogue::defaults(), nullptr);
+  system.set_patient(true);  // how accurate it is must not depend on what else the machine does
   for (int i = 0; i < kFrames; ++i) {
     const Result<FrameReport> report = system.process(wall.frame(i));
     ASSERT_TRUE(report.ok());
