@@ -25,7 +25,7 @@ class WallWatch {
     std::vector<float> pixels(std::size_t{320} * 240, 2.0F);
     for (int y = 80; y < 160 && box; ++y) {
       for (int x = 120; x < 200; ++x)
-        pixels[static_cast<std::size_t>(y * 320 + x)] = 1.2F - nearer_m;
+        pixels[320 * static_cast<std::size_t>(y) + static_cast<std::size_t>(x)] = 1.2F - nearer_m;
     }
     const DepthImage depth_m(320, 240, std::move(pixels));
     const Timestamp stamp{33'333'333 * ++frames_};
