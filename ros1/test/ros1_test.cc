@@ -112,6 +112,8 @@ TEST_F(Ros1, EveryTopicTellsWhatThereIsAndThePathIsAsGoodAsOffline) {
   CameraDriver camera;
   const Recording recording(kSample);
   ASSERT_TRUE(camera.somebody_listens()) << node_->output();
+  ASSERT_TRUE(poses.connected() && odometry.connected() && path.connected() && people.connected() &&
+              people_poses.connected() && tracks.connected() && image.connected());
   // The network is loaded with the first pictures.
   camera.play(recording, 0, 1);
   ASSERT_TRUE(wait_for([&] { return poses.count() > 0; }, 30)) << node_->output();

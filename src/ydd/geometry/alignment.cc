@@ -51,7 +51,7 @@ std::optional<Alignment> align_points(std::span<const Eigen::Vector3d> source,
     result.scale = svd.singularValues().dot(sign) / source_variance;  // eq. (42)
   }
   result.T_target_source = SE3(rotation, target_mean - result.scale * (rotation * source_mean));
-  const Eigen::Vector3d singular = svd.singularValues();
+  const Eigen::Vector3d& singular = svd.singularValues();
   const bool spread = source_variance > 1e-24 * source_mean.squaredNorm();  // beyond rounding
   result.unique = spread && source.size() >= 3 && singular.y() > 1e-9 * singular.x();
   double squared = 0.0;

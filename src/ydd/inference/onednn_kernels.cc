@@ -104,7 +104,7 @@ ConvolutionKernel choose_convolution(const ConvolutionProblem& problem,
     const auto kernel = ask(problem, attributes_of(problem.layer, form.activates, form.adds),
                             form.any_destination, engine);
     if (!kernel) continue;
-    const ConvolutionKernel found{*kernel, form.activates, form.adds};
+    ConvolutionKernel found{*kernel, form.activates, form.adds};
     if (is_compiled(kernel->impl_info_str())) return found;
     if (!general) general = found;
   }

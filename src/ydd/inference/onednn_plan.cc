@@ -164,7 +164,7 @@ struct OnednnPlan::Parts {
   memory reordered(const memory& from, const memory::desc& wanted, bool once) {
     if (from.get_desc() == wanted) return from;
     if (!once) {
-      const memory to = passing(wanted);
+      memory to = passing(wanted);
       relay(from, to);
       return to;
     }

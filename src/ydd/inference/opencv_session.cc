@@ -99,7 +99,7 @@ struct Target {
 };
 
 bool is_built_with_cuda() {
-  const std::string built = cv::getBuildInformation();
+  const std::string& built = cv::getBuildInformation();
   const std::size_t line = built.find("NVIDIA CUDA:");
   return line != std::string::npos &&
          built.substr(line, built.find('\n', line) - line).find("YES") != std::string::npos;

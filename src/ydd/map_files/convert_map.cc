@@ -51,7 +51,7 @@ Result<void> convert_map(const fs::path& file, const MapKey& key, const fs::path
     Result<FreshFile> fresh = FreshFile::make(to, ".new");
     if (!fresh) return fresh.error();
     write_new(*atlas, fresh->path(), out_key);
-    if (const Result<void> placed = fresh->place(); !placed) return placed;  // flushes it
+    if (Result<void> placed = fresh->place(); !placed) return placed;  // flushes it
     flush_folder(to.has_parent_path() ? to.parent_path() : fs::path("."));
     return {};
   } catch (const std::exception& fault) {

@@ -278,6 +278,7 @@ TEST(MapKeyTest, ComesFromTheEnvironmentWhereNothingElseIsNamed) {
   const fs::path file = temporary.path() / "key";
   put_bytes(file, kHex);
   ASSERT_EQ(::chmod(file.c_str(), 0600), 0);
+  // NOLINTBEGIN(concurrency-mt-unsafe): there is one thread
   ASSERT_EQ(::unsetenv("YDD_MAP_KEY_FILE"), 0);
   EXPECT_FALSE(MapKey::find("").value());
   ASSERT_EQ(::setenv("YDD_MAP_KEY_FILE", file.c_str(), 1), 0);
@@ -286,6 +287,7 @@ TEST(MapKeyTest, ComesFromTheEnvironmentWhereNothingElseIsNamed) {
   ASSERT_EQ(::setenv("YDD_MAP_KEY_FILE", (temporary.path() / "none").c_str(), 1), 0);
   EXPECT_THAT(MapKey::find("").error().message, HasSubstr("YDD_MAP_KEY_FILE"));
   ASSERT_EQ(::unsetenv("YDD_MAP_KEY_FILE"), 0);
+  // NOLINTEND(concurrency-mt-unsafe)
 }
 
 }  // namespace

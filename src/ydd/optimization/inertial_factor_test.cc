@@ -122,9 +122,9 @@ TEST(InertialFactor, DerivativesAreThoseOfDifferences) {
     return link_error(problem, problem.links[0], from, to, y).residual;
   };
   const LinkError e = link_error(problem, problem.links[0], a, b, x);
-  constexpr double h = 1e-6;
+  constexpr double kStep = 1e-6;
   for (int i = 0; i < kAll; ++i) {
-    const Eigen::Matrix<double, 9, 1> numeric = (error(i, h) - error(i, -h)) / (2 * h);
+    const Eigen::Matrix<double, 9, 1> numeric = (error(i, kStep) - error(i, -kStep)) / (2 * kStep);
     EXPECT_LT((numeric - e.jacobian.col(i)).norm(), 1e-6) << "unknown " << i;
   }
 }

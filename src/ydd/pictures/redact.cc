@@ -22,8 +22,9 @@ std::vector<Box> hidden_boxes(const FrameReport& report, const ObjectCatalogue& 
   const auto side_px = static_cast<float>(grid.cell_px);
   for (std::size_t i = 0; i < report.odds->moves.size(); ++i) {
     if (report.odds->moves[i] == 0) continue;
-    const float x_px = side_px * static_cast<float>(static_cast<int>(i) % grid.columns);
-    const float y_px = side_px * static_cast<float>(static_cast<int>(i) / grid.columns);
+    const int cell = static_cast<int>(i), row = cell / grid.columns;
+    const float x_px = side_px * static_cast<float>(cell - row * grid.columns);
+    const float y_px = side_px * static_cast<float>(row);
     boxes.push_back(grown({x_px, y_px, x_px + side_px, y_px + side_px}, kCellMargin_px));
   }
   return boxes;

@@ -21,8 +21,8 @@ inline SE3 path(double t_s) {
 }
 
 inline Eigen::Vector3d speed_m_s(double t_s) {
-  constexpr double h = 1e-4;
-  return (path(t_s + h).translation() - path(t_s - h).translation()) / (2 * h);
+  constexpr double kStep = 1e-4;
+  return (path(t_s + kStep).translation() - path(t_s - kStep).translation()) / (2 * kStep);
 }
 
 struct Faults {
@@ -33,7 +33,7 @@ struct Faults {
 };
 
 inline std::vector<ImuSample> imu(double from_s, double until_s, const Faults& faults = {}) {
-  constexpr double kHz = 200.0, h = 1e-3;
+  constexpr double kHz = 200.0, kStep = 1e-3;
   std::mt19937 random(faults.seed);
   std::normal_distribution<double> normal;
   const auto noise = [&](double sigma) {
@@ -42,12 +42,12 @@ inline std::vector<ImuSample> imu(double from_s, double until_s, const Faults& f
   };
   std::vector<ImuSample> out;
   for (double t = from_s; t < until_s; t += 1.0 / kHz) {
-    const SE3 before = path(t - h), now = path(t), after = path(t + h);
+    const SE3 before = path(t - kStep), now = path(t), after = path(t + kStep);
     const Eigen::Vector3d accel =
-        (after.translation() - 2 * now.translation() + before.translation()) / (h * h);
+        (after.translation() - 2 * now.translation() + before.translation()) / (kStep * kStep);
     ImuSample s;
     s.stamp = at(t);
-    s.gyro_rad_s = so3_log(before.rotation().conjugate() * after.rotation()) / (2 * h) +
+    s.gyro_rad_s = so3_log(before.rotation().conjugate() * after.rotation()) / (2 * kStep) +
                    faults.gyro_bias_rad_s + noise(faults.gyro_sigma_rad_s);
     s.accel_m_s2 = now.rotation().conjugate() * (accel + Eigen::Vector3d(0, 0, 9.81)) +
                    faults.accel_bias_m_s2 + noise(faults.accel_sigma_m_s2);

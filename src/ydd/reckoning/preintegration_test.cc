@@ -53,15 +53,16 @@ TEST(InertialMeasurement, DerivativesByBiasesAreThoseOfDifferences) {
   ASSERT_TRUE(m.has_value());
   const Preintegrated here = with(gyro, accel);
   EXPECT_EQ(m->sum.shift_m, here.shift_m) << "one way to add up";
-  constexpr double h = 1e-6;
+  constexpr double kStep = 1e-6;
   for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d d = h * Eigen::Vector3d::Unit(i);
+    const Eigen::Vector3d d = kStep * Eigen::Vector3d::Unit(i);
     const Preintegrated up = with(gyro + d, accel), down = with(gyro - d, accel);
-    const Eigen::Vector3d turn = so3_log(down.turn.conjugate() * up.turn) / (2 * h);
+    const Eigen::Vector3d turn = so3_log(down.turn.conjugate() * up.turn) / (2 * kStep);
     EXPECT_LT((turn - m->turn_by_gyro_bias.col(i)).norm(), 1e-6);
-    EXPECT_LT(((up.speed_m_s - down.speed_m_s) / (2 * h) - m->speed_by_gyro_bias.col(i)).norm(),
+    EXPECT_LT(((up.speed_m_s - down.speed_m_s) / (2 * kStep) - m->speed_by_gyro_bias.col(i)).norm(),
               1e-5);
-    EXPECT_LT(((up.shift_m - down.shift_m) / (2 * h) - m->shift_by_gyro_bias.col(i)).norm(), 1e-5);
+    EXPECT_LT(((up.shift_m - down.shift_m) / (2 * kStep) - m->shift_by_gyro_bias.col(i)).norm(),
+              1e-5);
   }
   const Eigen::Vector3d more(0.002, 0.003, -0.001);
   const Preintegrated told = m->with_biases(gyro + more, accel + 10 * more);
