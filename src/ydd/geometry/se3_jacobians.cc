@@ -53,6 +53,10 @@ Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& w) {
   return Eigen::Matrix3d::Identity() + a * W + b * W * W;
 }
 
+Eigen::Matrix3d so3_right_jacobian(const Eigen::Vector3d& w) {
+  return so3_left_jacobian(w).transpose();
+}
+
 Matrix6d adjoint(const SE3& T) {
   const Eigen::Matrix3d R = T.rotation_matrix();
   Matrix6d m;

@@ -10,6 +10,9 @@ namespace ydd {
 /// Left Jacobian of SO(3), eq. (7.37): `so3_exp(w + d) = so3_exp(J(w) d) * so3_exp(w)` for small d.
 Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& w);
 
+/// Right one, its transpose: `so3_exp(w + d) = so3_exp(w) * so3_exp(J(w) d)` for small d.
+Eigen::Matrix3d so3_right_jacobian(const Eigen::Vector3d& w);
+
 /// Adjoint: `T * exp(twist) = exp(adjoint(T) * twist) * T`.
 Matrix6d adjoint(const SE3& T);
 

@@ -33,7 +33,8 @@ struct PlainMap {
   MapShape shape;
   std::vector<float> values;
   float& at(int c, int y, int x) {
-    return values[static_cast<std::size_t>((c * shape.rows + y) * shape.columns + x)];
+    const auto row = static_cast<std::size_t>(c * shape.rows + y);
+    return values[row * static_cast<std::size_t>(shape.columns) + static_cast<std::size_t>(x)];
   }
   bool has(int y, int x) const { return y >= 0 && y < shape.rows && x >= 0 && x < shape.columns; }
 };
@@ -129,9 +130,8 @@ class PlainNetwork {
                 const int row = y * w.stride[0] - w.pad_begin[0] + i;
                 const int column = x * w.stride[1] - w.pad_begin[1] + j;
                 if (!from.has(row, column)) continue;
-                const auto at = static_cast<std::size_t>(
-                    ((c * fan_in + k) * w.kernel[0] + i) * w.kernel[1] + j);
-                sum += weights.values[at] *
+                const int at = ((c * fan_in + k) * w.kernel[0] + i) * w.kernel[1] + j;
+                sum += weights.values[static_cast<std::size_t>(at)] *
                        static_cast<int>(from.at(c / each * fan_in + k, row, column));
               }
             }

@@ -93,7 +93,7 @@ class MapWriter {
 Result<void> save_map(const Atlas& atlas, const std::filesystem::path& file,
                       Replacing replacing = Replacing::lesser, const MapKey& key = {});
 
-/// Writes what is in `file`, row by row, to `out`, which has a key of its own; an empty one makes
+/// Writes the map in `file` to `out`, which has a key of its own; an empty one makes
 /// it plain. They may be the same file, which then is the old one or the whole new one at any time.
 /// Failure: as load_map; or there is another file at `out`, or somebody is writing.
 Result<void> convert_map(const std::filesystem::path& file, const MapKey& key,

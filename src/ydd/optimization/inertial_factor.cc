@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/optimization/inertial_factor.h"
 
-#include "ydd/geometry/so3_jacobian.h"
+#include <Eigen/LU>
+
+#include "ydd/geometry/se3_jacobians.h"
 
 namespace ydd {
 namespace {
@@ -68,7 +70,7 @@ LinkError link_error(const InertialProblem& problem, const InertialLink& link,
   auto by_turn = e.jacobian.topRows<3>();
   auto by_speed = e.jacobian.middleRows<3>(3);
   auto by_shift = e.jacobian.bottomRows<3>();
-  const Matrix3d J = so3_right_jacobian_inverse(turned);
+  const Matrix3d J = so3_right_jacobian(turned).inverse();
   const Vector3d gyro = x.gyro_bias_rad_s - m.gyro_bias_rad_s;
   by_turn.middleCols<6>(kFrom) = -J * b.R.transpose() * a.R * a.turn_by_twist;
   by_turn.middleCols<6>(kTo) = J * b.turn_by_twist;

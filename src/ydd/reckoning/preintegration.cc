@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ydd/geometry/so3_jacobian.h"
+#include "ydd/geometry/se3_jacobians.h"
 
 namespace ydd {
 namespace {
