@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstddef>
+#include <optional>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,6 +11,8 @@
 #include <opencv2/dnn.hpp>
 
 #include "ydd/inference/network_backends.h"
+#include "ydd/inference/onnx_graph.h"
+#include "ydd/inference/onnx_input_size.h"
 
 namespace ydd {
 namespace {
@@ -49,10 +54,41 @@ class Threads {
   int before_;
 };
 
+struct Target {
+  cv::dnn::Backend backend;
+  cv::dnn::Target target;
+};
+
+cv::dnn::Net read_net(std::string_view onnx, const Target& target) {
+  cv::dnn::Net net = cv::dnn::readNetFromONNX(onnx.data(), onnx.size());
+  if (net.empty()) throw std::runtime_error("holds no network");
+  net.setPreferableBackend(target.backend);
+  net.setPreferableTarget(target.target);
+  return net;
+}
+
+/// A network that OpenCV can read for one size of input at a time: since 4.7 it computes all sizes
+/// while it reads, and takes those that the file leaves open as 1.
+struct OfOneSize {
+  std::string onnx, input;
+  std::vector<int> shape;  ///< that it was read for last
+
+  cv::dnn::Net read(const std::vector<int>& wanted, const Target& target) {
+    const Result<std::string> sized = with_input_size(onnx, input, wanted);
+    if (!sized) throw std::runtime_error(sized.error().message);
+    cv::dnn::Net net = read_net(*sized, target);
+    shape = wanted;
+    return net;
+  }
+};
+
 class OpenCvSession : public InferenceSession {
  public:
-  OpenCvSession(const cv::dnn::Net& net, const InferenceOptions& options)  // a handle
+  OpenCvSession(const cv::dnn::Net& net, std::optional<OfOneSize> of_one_size, const Target& target,
+                const InferenceOptions& options)  // a handle
       : net_(net),
+        of_one_size_(std::move(of_one_size)),
+        target_(target),
         output_names_(net_.getUnconnectedOutLayersNames()),
         threads_(options.threads),
         device_(to_string(options.device)) {}
@@ -61,6 +97,9 @@ class OpenCvSession : public InferenceSession {
     const QuietOpenCv quiet;
     const Threads threads(threads_);
     try {
+      if (of_one_size_ && of_one_size_->shape != input.shape) {
+        net_ = of_one_size_->read(input.shape, target_);
+      }
       // OpenCV only reads its input, but a Mat cannot say so.
       net_.setInput(cv::Mat(input.shape, CV_32F, const_cast<float*>(input.values.data())));
       outputs_.clear();
@@ -87,15 +126,12 @@ class OpenCvSession : public InferenceSession {
   }
 
   cv::dnn::Net net_;
+  std::optional<OfOneSize> of_one_size_;
+  Target target_;
   std::vector<cv::String> output_names_;
   int threads_;
   std::string device_;
   std::vector<cv::Mat> outputs_;  // keeps alive what views() points to
-};
-
-struct Target {
-  cv::dnn::Backend backend;
-  cv::dnn::Target target;
 };
 
 bool is_built_with_cuda() {
@@ -126,21 +162,48 @@ Result<Target> choose_target(const InferenceOptions& options) {
   return Target{cv::dnn::DNN_BACKEND_CUDA, target};
 }
 
+/// The network for one size at a time, if it takes inputs of any; a size to begin with is that of
+/// the options, or the smallest that ours is used with.
+std::optional<OfOneSize> of_one_size(std::string_view onnx) {
+  const Result<OnnxGraph> graph = read_onnx(onnx);
+  if (!graph || graph->inputs.size() != 1) return std::nullopt;
+  const auto declared = graph->declared.find(graph->inputs.front());
+  if (declared == graph->declared.end()) return std::nullopt;
+  const std::vector<std::int64_t>& dims = declared->second;
+  if (std::find(dims.begin(), dims.end(), -1) == dims.end()) return std::nullopt;
+  return OfOneSize{std::string(onnx), graph->inputs.front(), {}};
+}
+
+std::vector<int> first_shape(const InferenceOptions& options) {
+  const bool known = options.input_height_px > 0 && options.input_width_px > 0;
+  return {1, 3, known ? options.input_height_px : 256, known ? options.input_width_px : 320};
+}
+
 }  // namespace
 
 SessionResult make_opencv_session(std::string_view onnx, const InferenceOptions& options) {
   const QuietOpenCv quiet;
+  const auto session = [&](const cv::dnn::Net& net, std::optional<OfOneSize> sized,
+                           const Target& target) -> SessionResult {
+    return std::unique_ptr<InferenceSession>(
+        std::make_unique<OpenCvSession>(net, std::move(sized), target, options));
+  };
+  const Result<Target> target = choose_target(options);
+  if (!target) return target.error();
+  std::string reason;
   try {
-    const Result<Target> chosen = choose_target(options);
-    if (!chosen) return chosen.error();
-    cv::dnn::Net net = cv::dnn::readNetFromONNX(onnx.data(), onnx.size());
-    if (net.empty()) return Error{"holds no network"};
-    net.setPreferableBackend(chosen->backend);
-    net.setPreferableTarget(chosen->target);
-    return std::unique_ptr<InferenceSession>(std::make_unique<OpenCvSession>(net, options));
+    return session(read_net(onnx, *target), std::nullopt, *target);
   } catch (const std::exception& e) {
-    return Error{fmt::format("OpenCV {} cannot load it: {}", CV_VERSION, reason_of(e))};
+    reason = reason_of(e);
   }
+  if (std::optional<OfOneSize> sized = of_one_size(onnx)) {
+    try {
+      const cv::dnn::Net net = sized->read(first_shape(options), *target);
+      return session(net, std::move(sized), *target);
+    } catch (const std::exception&) {  // the first reason is the one to tell
+    }
+  }
+  return Error{fmt::format("OpenCV {} cannot load it: {}", CV_VERSION, reason)};
 }
 
 }  // namespace ydd
