@@ -22,6 +22,8 @@ namespace ydd::e2e {
 namespace {
 
 using nlohmann::json;
+using testing::AnyOf;
+using testing::EndsWith;
 using testing::HasSubstr;
 using namespace std::chrono_literals;
 
@@ -135,6 +137,32 @@ TEST(EndedEarly, PicturesThatCannotBeReadAreToldOnce) {
   EXPECT_THAT(outcome.err, HasSubstr("3 more frames were skipped for the same reason"));
   EXPECT_EQ(summary_of(folder / "o").at("frames_skipped").size(), 4U);
 }
+
+class LongWork : public testing::TestWithParam<const char*> {};
+
+TEST_P(LongWork, EndsSoonAndLeavesNothing) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "t");
+  const Outcome outcome = shell(
+      fmt::format("export TMPDIR=$PWD/t; env --default-signal=INT $Y {} >out 2>err & "
+                  "while [ -z \"$(ls -d t/* made.*.part 2>/dev/null)\" ]; do sleep 0.05; done; "
+                  "kill -INT $!; wait $!; result=$?; cat err >&2; exit $result",
+                  GetParam()),
+      folder.path());
+  EXPECT_EQ(outcome.exit_code, 128 + SIGINT);
+  EXPECT_THAT(outcome.err, EndsWith("error: SIGINT asked to end; nothing is left of it\n"));
+  EXPECT_TRUE(fs::is_empty(folder / "t"));
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
+    EXPECT_THAT(entry.path().filename().string(), AnyOf("t", "out", "err"));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Commands, LongWork,
+    testing::Values("simulate made --frames 100000 --set width=160 --set height=120 --quiet",
+                    "bench days --rooms 1 --width 160 --quiet",
+                    "bench ablation " YDD_SOURCE_DIR "/samples/office_crowd --simulated 1"),
+    [](const auto& tried) { return fmt::format("{}", tried.index); });
 
 struct Hopeless {
   const char* name;

@@ -11,6 +11,7 @@
 #include "common/progress.h"
 #include "common/terminal.h"
 #include "ydd/base/files.h"
+#include "ydd/base/interruption.h"
 #include "ydd/base/timing.h"
 #include "ydd/dataset/sequence.h"
 #include "ydd/detection/detector_config.h"
@@ -88,6 +89,7 @@ Result<DetectRun> detect_all(const Sequence& sequence, const DetectRequest& requ
   DetectRun run;
   Progress progress(sequence.name(), end, request.quiet);
   for (std::size_t i = 0; i < end; i += static_cast<std::size_t>(request.every)) {
+    interruption::throw_if_asked();
     const Result<RgbdFrame> frame = read_picture(sequence, i);
     if (!frame) return frame.error();
     const std::int64_t start_ns = wall_clock_ns();

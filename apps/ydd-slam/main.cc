@@ -37,6 +37,14 @@ ydd::Result<void> flush_output() {
                                 std::generic_category().message(errno))};
 }
 
+/// Those that look whether they shall end, and do so in good order. The others end at once, as
+/// programs do: what they make appears by renaming, or not.
+void catch_signals_for(const CLI::App& app) {
+  for (const char* const name : {"run", "bench", "detect", "simulate", "convert"}) {
+    if (app.got_subcommand(name)) ydd::interruption::catch_signals();
+  }
+}
+
 int run_job(const ydd::app::Job& job) {
   ydd::Result<void> result = job();
   if (const ydd::Result<void> flushed = flush_output(); !flushed && result) result = flushed;
@@ -49,7 +57,7 @@ int run_job(const ydd::app::Job& job) {
 
 int main(int argc, char** argv) {
   reserve_standard_streams();
-  ydd::interruption::catch_signals();
+  ydd::interruption::survive_failed_writes();
   CLI::App app{"ydd-slam: visual RGB-D SLAM that keeps its bearings among moving people",
                "ydd-slam"};
   app.require_subcommand(1);
@@ -69,10 +77,14 @@ int main(int argc, char** argv) {
   ydd::app::add_cameras_command(app, job);
   try {
     app.parse(argc, argv);
+    catch_signals_for(app);
     return run_job(job);
   } catch (const CLI::ParseError& e) {
     if (app.exit(e) != 0) return kUsageFailure;
     return run_job([]() -> ydd::Result<void> { return {}; });  // help that did not arrive
+  } catch (const ydd::interruption::Interrupted& e) {
+    fmt::print(stderr, "error: {}\n", e.what());
+    return kSignalled + ydd::interruption::signal();
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "error: out of memory\n");
     return EXIT_FAILURE;

@@ -8,6 +8,7 @@
 #include "bench/figures.h"
 #include "common/default_detector.h"
 #include "run/run_job.h"
+#include "ydd/base/interruption.h"
 #include "ydd/base/log.h"
 #include "ydd/base/timing.h"
 #include "ydd/evaluation/ate.h"
@@ -35,6 +36,7 @@ Result<void> add_run(const BenchCase& bench_case, const std::string& variant,
   request.out = folder.string();
   request.quiet = true;
   const Result<RunOutcome> run = run_whole_sequence(request);
+  interruption::throw_if_asked();  // what was cut short is no figure
   if (!run) return run.error();
   if (!run->groundtruth_file) {
     return Error{fmt::format("{}: has no groundtruth.txt", request.sequence)};

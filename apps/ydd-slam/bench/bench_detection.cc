@@ -5,6 +5,7 @@
 #include "bench/bench.h"
 #include "bench/figures.h"
 #include "run/run_job.h"
+#include "ydd/base/interruption.h"
 #include "ydd/base/timing.h"
 #include "ydd/evaluation/ate.h"
 #include "ydd/system/system_options.h"
@@ -79,6 +80,7 @@ Result<std::vector<double>> ate_of_runs(const BenchCase& bench_case, const Bench
     run.out = (scratch / "run").string();
     run.quiet = true;
     const Result<RunOutcome> outcome = run_whole_sequence(run);
+    interruption::throw_if_asked();  // what was cut short is no figure
     if (!outcome) return outcome.error();
     if (!outcome->groundtruth_file) {
       return Error{fmt::format("{}: has no groundtruth.txt", run.sequence)};

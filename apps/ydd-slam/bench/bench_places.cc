@@ -7,6 +7,7 @@
 #include "bench/bench_seeds.h"
 #include "common/scratch_folder.h"
 #include "run/run_job.h"
+#include "ydd/base/interruption.h"
 #include "ydd/base/log.h"
 #include "ydd/studies/place_recall.h"
 
@@ -65,6 +66,7 @@ Result<PlaceCounts> recording_counts(const std::string& sequence, const SeedRequ
   if (!scratch) return scratch.error();
   run.out = (scratch->path() / "run").string();
   const Result<RunOutcome> outcome = run_whole_sequence(run);
+  interruption::throw_if_asked();
   if (!outcome) return outcome.error();
   if (!outcome->groundtruth_file) {
     return Error{fmt::format("{}: has no groundtruth.txt", sequence)};

@@ -51,6 +51,9 @@ void catch_signals() {
     sigemptyset(&action.sa_mask);
     ::sigaction(number, &action, nullptr);
   }
+}
+
+void survive_failed_writes() {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
 }
@@ -70,6 +73,12 @@ std::string signal_name() {
     default:
       return "";
   }
+}
+
+Interrupted::Interrupted() : what_(signal_name() + " asked to end; nothing is left of it") {}
+
+void throw_if_asked() {
+  if (signal() != 0) throw Interrupted();
 }
 
 bool sleep_until(std::chrono::steady_clock::time_point when) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <exception>
 #include <string>
 
 namespace ydd {
@@ -13,15 +14,33 @@ namespace ydd {
 /// for every function.
 namespace interruption {
 
-/// From now on signals are remembered. One that is ignored already (`nohup`) stays ignored; a
-/// broken pipe becomes an error of the write that meets it instead of the end of the process.
+/// From now on signals are remembered, so that somebody must look. One that is ignored already
+/// (`nohup`) stays ignored.
 void catch_signals();
+
+/// A broken pipe, or a file that may not grow, becomes an error of the write that meets it instead
+/// of the end of the process.
+void survive_failed_writes();
 
 /// The signal that asked; 0: none.
 int signal();
 
 /// Its name, "SIGINT"; empty: none.
 std::string signal_name();
+
+/// What throw_if_asked() throws; what() is one line for the user.
+class Interrupted : public std::exception {
+ public:
+  Interrupted();
+  const char* what() const noexcept override { return what_.c_str(); }
+
+ private:
+  std::string what_;
+};
+
+/// For work that is worth nothing when it is cut short: leaves it by an exception once a signal
+/// asked to end, so that temporary files go.
+void throw_if_asked();
 
 /// All was done before the signal cut anything short: the program ends as if none had come.
 void forgive();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/simulation/tum_writer.h"
+#include "ydd/base/interruption.h"
 
 #include <unistd.h>
 
@@ -119,6 +120,7 @@ Result<void> write_batch(const Simulator& simulator, const fs::path& folder,
                          std::vector<RecordedFrame>& batch) {
   std::vector<std::optional<Error>> failures(batch.size());
   const auto job = [&](std::size_t k) {
+    interruption::throw_if_asked();
     const SimulatedFrame frame = simulator.render(first + static_cast<int>(k));
     batch[k] = to_recorded_frame(frame, colour_name(frame.frame.stamp, options));
     if (auto r = write_images(frame, simulator.camera(), folder, options); !r) {
@@ -149,6 +151,35 @@ Result<void> write_all(const Simulator& simulator, const fs::path& folder,
   return write_lists(simulator, folder, options);
 }
 
+/// A folder that is being filled; it goes with this value unless it got its name.
+class PartFolder {
+ public:
+  explicit PartFolder(const fs::path& folder) : folder_(folder), part_(folder) {
+    if (!part_.has_filename()) part_ = part_.parent_path();  // "out/"
+    part_ += fmt::format(".{}.part", ::getpid());  // two programs may write the same sequence
+    remove();
+  }
+  ~PartFolder() { remove(); }
+  PartFolder(const PartFolder&) = delete;
+  PartFolder& operator=(const PartFolder&) = delete;
+
+  const fs::path& path() const { return part_; }
+  Result<void> finish() const {
+    std::error_code failure;
+    fs::rename(part_, folder_, failure);
+    if (!failure) return {};
+    return Error{fmt::format("{}: cannot be named {}: {}", part_.string(), folder_.string(),
+                             failure.message())};
+  }
+
+ private:
+  void remove() const {
+    std::error_code ignored;
+    fs::remove_all(part_, ignored);
+  }
+  fs::path folder_, part_;
+};
+
 }  // namespace
 
 RecordedFrame to_recorded_frame(const SimulatedFrame& frame, const std::string& colour_file) {
@@ -175,23 +206,9 @@ Result<void> write_tum_sequence(const Simulator& simulator, const fs::path& fold
     return Error{
         fmt::format("{}: exists already; remove it or name another folder", folder.string())};
   }
-  fs::path part = folder;
-  if (!part.has_filename()) part = part.parent_path();  // "out/"
-  part += fmt::format(".{}.part", ::getpid());          // two programs may write the same sequence
-  std::error_code ignored;
-  fs::remove_all(part, ignored);
-  if (auto r = write_all(simulator, part, options); !r) {
-    fs::remove_all(part, ignored);
-    return r;
-  }
-  std::error_code failure;
-  fs::rename(part, folder, failure);
-  if (failure) {
-    fs::remove_all(part, ignored);
-    return Error{fmt::format("{}: cannot be named {}: {}", part.string(), folder.string(),
-                             failure.message())};
-  }
-  return {};
+  const PartFolder part(folder);
+  if (auto r = write_all(simulator, part.path(), options); !r) return r;
+  return part.finish();
 }
 
 }  // namespace ydd

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/found_motion.h"
+#include "ydd/base/interruption.h"
 
 #include <algorithm>
 #include <array>
@@ -223,6 +224,7 @@ FoundMotion find_motion(const MoverOptions& mover, const EvidenceOptions& option
   double room_cells = 0, false_cells = 0, late_cells = 0, late_found = 0;
   bool alarmed = false;
   for (int i = 0; i < mover.frames; ++i) {
+    interruption::throw_if_asked();
     const Vector3d shift_m = {mover.speed_m_s * kFrame_s * std::max(0, i - kStartFrame), 0, 0};
     std::vector<Block> placed = blocks;
     for (Block& block : placed) {

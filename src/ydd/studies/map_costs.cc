@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/map_costs.h"
+#include "ydd/base/interruption.h"
 
 #include <algorithm>
 #include <cmath>
@@ -104,6 +105,7 @@ void measure_local_maps(const Atlas& atlas, const TrackerOptions& options, MapCo
 void measure_tracking(const Atlas& atlas, const std::vector<KeyFrameId>& seen_once,
                       const TrackerOptions& options, MapCosts& costs) {
   for (const std::size_t start : spread(seen_once.size(), kWalks)) {
+    interruption::throw_if_asked();
     Tracker tracker(options, true);
     for (std::size_t k = 0; k < kFramesOfWalk && start + k < seen_once.size(); ++k) {
       const KeyFrame& keyframe = atlas.at(seen_once[start + k]);
@@ -135,6 +137,7 @@ void measure_insertion(Mapper& mapper, const LoopOptions& options, MapCosts& cos
   std::shared_ptr<const Atlas> published = mapper.snapshot();
   for (const std::size_t start : spread(ids.size(), kInserted / kInsertedInARow)) {
     for (std::size_t k = 0; k < kInsertedInARow && start + k < ids.size(); ++k) {
+      interruption::throw_if_asked();
       if (!mapper.atlas().find(ids[start + k])) continue;  // culled since
       const KeyFrameCandidate candidate = candidate_of(mapper.atlas(), ids[start + k], k);
       MapperReport report;

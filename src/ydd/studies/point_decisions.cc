@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/point_decisions.h"
+#include "ydd/base/interruption.h"
 
 #include <algorithm>
 #include <initializer_list>
@@ -95,6 +96,7 @@ Result<PointDecisions> decide_points(const std::filesystem::path& folder,
   PointDecisions result;
   FrameSource source(*sequence, *camera);
   for (std::size_t i = 0; auto frame = source.next(); ++i) {
+    interruption::throw_if_asked();
     if (!*frame) return frame->error();
     const Result<GreyImage> mask = load_mask(*sequence, i);
     if (!mask) return mask.error();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/sessions.h"
+#include "ydd/base/interruption.h"
 
 #include <unistd.h>
 
@@ -163,6 +164,7 @@ Result<void> play(const Simulator& simulator, int number, SlamSystem& system,
                   const SessionProgress& progress) {
   FrameCounts counts;
   for (int i = 0; i < simulator.frame_count(); ++i) {
+    interruption::throw_if_asked();
     SimulatedFrame frame = simulator.render(i);
     frame.frame.index += number * kSessionFrames;
     frame.frame.stamp.ns += number * kDay_ns;

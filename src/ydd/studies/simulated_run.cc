@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/simulated_run.h"
+#include "ydd/base/interruption.h"
 
 #include <algorithm>
 
@@ -51,6 +52,7 @@ Result<SimulatedRun> run_frames(const Simulator& simulator,
   MotionFeed motion(std::move(senses));
   SimulatedRun run;
   for (int i = 0; i < simulator.frame_count(); ++i) {
+    interruption::throw_if_asked();
     const SimulatedFrame frame = frame_at(i);
     boxes = boxes_of(frame);
     motion.until(frame.frame.stamp, system);
@@ -96,7 +98,10 @@ Result<SimulatedRun> run_simulated(const Simulator& simulator, const SystemOptio
 }
 
 FrameStore::FrameStore(const Simulator& simulator) : simulator_(&simulator) {
-  for (int i = 0; i < simulator.frame_count(); ++i) frames_.push_back(simulator.render(i));
+  for (int i = 0; i < simulator.frame_count(); ++i) {
+    interruption::throw_if_asked();
+    frames_.push_back(simulator.render(i));
+  }
 }
 
 Result<SimulatedRun> FrameStore::run(const SystemOptions& options) const {

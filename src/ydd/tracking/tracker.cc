@@ -148,9 +148,14 @@ void Tracker::refresh_last_frame(const Atlas& atlas) {
 std::optional<PoseFromMatches> Tracker::initial_pose(const TrackedFrame& frame,
                                                      const Atlas& atlas) const {
   if (state_ == TrackingState::lost) return pose_by_relocalization(frame, atlas);
-  if (auto pose = pose_by_motion(frame, atlas)) return pose;
-  if (auto pose = pose_by_reference(frame, atlas)) return pose;
-  return pose_by_relocalization(frame, atlas);
+  std::optional<PoseFromMatches> pose = pose_by_motion(frame, atlas);
+  if (pose && static_cast<int>(pose->inliers.size()) >= options_.sure_motion_inliers) return pose;
+  // A camera that turned out of the search window: few agree, perhaps by chance.
+  std::optional<PoseFromMatches> anywhere = pose_by_reference(frame, atlas);
+  if (!pose || (anywhere && anywhere->inliers.size() > pose->inliers.size())) {
+    pose = std::move(anywhere);
+  }
+  return pose ? pose : pose_by_relocalization(frame, atlas);
 }
 
 std::optional<PoseFromMatches> Tracker::pose_by_motion(const TrackedFrame& frame,

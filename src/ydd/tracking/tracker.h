@@ -37,6 +37,7 @@ struct TrackerOptions {
   double local_radius_factor = 3.0;
   int min_motion_matches = 20;
   int min_motion_inliers = 10;
+  int sure_motion_inliers = 40;
   int min_local_inliers = 20;
   int max_local_keyframes = 80;
   double close_depth_m = 3.0;  ///< SystemOptions sets it

@@ -32,6 +32,8 @@ void TrackerOptions::describe(OptionTable& t) {
         "below this the motion search is repeated with twice the radius");
   t.add("min_motion_inliers", min_motion_inliers, {3, 1000}, "",
         "points that must agree with the first pose estimate");
+  t.add("sure_motion_inliers", sure_motion_inliers, {3, 1000}, "",
+        "where fewer agree, the whole picture is searched as well and the better estimate taken");
   t.add("min_local_inliers", min_local_inliers, {3, 1000}, "",
         "map points that must agree with the final pose, else tracking is lost");
   t.add("max_local_keyframes", max_local_keyframes, {1, 1000}, "", "keyframes in the local map");
