@@ -26,7 +26,7 @@ People may fill half the picture: only the points on them are left out. With
 a network that finds them, a window, a web page and maps that last.")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS fonts-dejavu-core)
 # Loaded when a map has a key; without it the program says so.
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS libsqlcipher0)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "libsqlcipher0 | libsqlcipher1")
 if(TARGET ydd_video)
   list(APPEND CPACK_COMPONENTS_ALL video)
   string(APPEND CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS ", ydd-slam-video (= ${PROJECT_VERSION})")

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Networks in 8-bit integers against the same computed by plain loops, with the kernels that oneDNN
 // has for each set of instructions (in a process of its own: onednn_plan_test.cc).
-#ifdef YDD_WITH_ONEDNN
+#if defined(YDD_WITH_ONEDNN) && defined(__x86_64__)
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>

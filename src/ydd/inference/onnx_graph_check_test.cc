@@ -287,7 +287,11 @@ TEST_P(CraftedNetworks, OfAnyOneByteDoNotCrash) {
   const std::string whole = convolution(ints("kernel_shape", {1, 1}) + ints("strides", {1, 1}) +
                                         ints("pads", {0, 0, 0, 0}) + ints("dilations", {1, 1}) +
                                         GraphWriter::integer("group", 1));
-  ASSERT_EQ(answer_to(whole), "runs");
+  const std::string sound = answer_to(whole);
+  for (const char* const absent : {"oneDNN has no kernels", "no oneDNN"}) {
+    if (sound.find(absent) != std::string::npos) GTEST_SKIP() << sound;
+  }
+  ASSERT_EQ(sound, "runs");
   for (std::size_t at = 0; at < whole.size(); ++at) {
     for (const int value : {0x00, 0x01, 0x7F, 0x80, 0xFF}) {
       std::string broken = whole;

@@ -13,9 +13,10 @@ namespace ydd::map_format {
 namespace {
 
 constexpr std::string_view kMissing =
-    "encrypted maps need SQLCipher: install libsqlcipher0 (Debian) for the same program to use";
+    "encrypted maps need SQLCipher: install libsqlcipher0 (Debian 12) or libsqlcipher1 (Debian 13) "
+    "for the same program to use";
 constexpr std::string_view kOther =
-    "encrypted maps need SQLCipher: the libsqlcipher.so.0 that was found lacks its functions";
+    "encrypted maps need SQLCipher: the libsqlcipher that was found lacks its functions";
 constexpr std::string_view kSanitized =
     "encrypted maps need SQLCipher, which cannot be loaded into a build with sanitizers";
 
@@ -30,10 +31,16 @@ struct Loaded {
   std::string_view missing;  ///< empty: nothing is
 };
 
+/// Of the versions that there are, the functions that we use are the same.
+constexpr const char* kFiles[] = {"libsqlcipher.so.1", "libsqlcipher.so.0"};
+
 /// Without RTLD_DEEPBIND the library's calls of its own functions would end in libsqlite3, which is
 /// there already: `sqlite3_open_v2` of one and `sqlite3_step` of the other.
 [[maybe_unused]] Loaded load() {
-  void* const handle = ::dlopen("libsqlcipher.so.0", RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND);
+  void* handle = nullptr;
+  for (const char* const file : kFiles) {
+    if (handle == nullptr) handle = ::dlopen(file, RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND);
+  }
   if (handle == nullptr) return {{}, kMissing};  // stays loaded for as long as the program runs
   Loaded out;
   bool all = true;
