@@ -45,6 +45,7 @@ Json to_json(const SessionFigures& s) {
           {"map_m", s.map_m},
           {"place_m", s.place_m},
           {"found_m", s.found_m},
+          {"misplaced_frames", s.misplaced_frames},
           {"loops", s.loops},
           {"merges", s.merges},
           {"false_loops", s.false_loops},
@@ -109,22 +110,25 @@ class SessionFolder {
 
 std::string row(const Json& s) {
   return fmt::format(
-      "| {} | {} | {} | {} | {:.1f} | {} | {} | {:.1f} | {:.4f} | {:.4f} | {} ({}) | {} ({}) | "
+      "| {} | {} | {} | {} | {:.1f} | {} | {} | {:.1f} | {:.4f} | {:.4f} | {} | {} ({}) | {} ({}) "
+      "| "
       "{:.2f} | {:.0f} |\n",
       s["session"].get<int>() + 1, s["light"].get<std::string>(), s["keyframes"].get<int>(),
       s["points"].get<int>(), s["file_mb"].get<double>(), s["maps"].get<int>(),
       s["frames_until_found"].get<int>(), s["found_cpu_ms"].get<double>(), s["ate_m"].get<double>(),
-      s["place_m"].get<double>(), s["losses"].get<int>(), s["lost_frames"].get<int>(),
-      s["loops"].get<int>() + s["merges"].get<int>(), s["false_loops"].get<int>(),
-      s["frame_cpu_ms_median"].get<double>(), s["resident_mb"].get<double>());
+      s["place_m"].get<double>(), s["misplaced_frames"].get<int>(), s["losses"].get<int>(),
+      s["lost_frames"].get<int>(), s["loops"].get<int>() + s["merges"].get<int>(),
+      s["false_loops"].get<int>(), s["frame_cpu_ms_median"].get<double>(),
+      s["resident_mb"].get<double>());
 }
 
 std::string table_of(const Json& series, std::size_t every) {
   std::string table =
       "| session | light | keyframes | points | file MB | maps | frames until found | that frame, "
-      "ms | ATE m | in the map m | losses (frames) | loops and merges (false) | ms a frame | "
+      "ms | ATE m | in the map m | frames misplaced | losses (frames) | loops and merges (false) | "
+      "ms a frame | "
       "resident MB |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | "
-      "--- | --- |\n";
+      "--- | --- | --- |\n";
   for (std::size_t i = 0; i < series.size(); ++i) {
     if (i == 0 || (i + 1) % every == 0 || i + 1 == series.size()) table += row(series[i]);
   }

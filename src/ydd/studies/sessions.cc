@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kSessionFrames = 10'000'000;  // frame numbers of a session
+constexpr double kMisplaced_m = 1.0;
 constexpr std::int64_t kDay_ns = 86'400'000'000'000;
 
 /// Where the camera really was at frames of all sessions.
@@ -128,7 +129,10 @@ void compare_with_truth(const Atlas& atlas, Truth& truth, const StampedPoses& po
         .norm();
   };
   double sum = 0;
-  for (const IndexPair& pair : ate->pairs) sum += off_m(pair) * off_m(pair);
+  for (const IndexPair& pair : ate->pairs) {
+    sum += off_m(pair) * off_m(pair);
+    if (off_m(pair) > kMisplaced_m) ++figures.misplaced_frames;
+  }
   figures.found_m = off_m(ate->pairs.front());
   figures.place_m = std::sqrt(sum / static_cast<double>(ate->pairs.size()));
 }

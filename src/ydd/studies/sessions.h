@@ -38,6 +38,7 @@ struct SessionFigures {
   double map_m = -1;    ///< keyframes of the largest map against the truth: root mean square
   double place_m = -1;  ///< the session in the world of that alignment: right place, not only shape
   double found_m = -1;  ///< of these the first pose: how exactly the place was recognised
+  int misplaced_frames = 0;  ///< poses more than a metre off there: in another room, or nowhere
   int loops = 0, merges = 0, false_loops = 0;
   double memory_mb = 0;  ///< resident, of the process, before the map is saved
 };

@@ -45,6 +45,7 @@ TEST(Sessions, GoOnWithTheMapInOtherLight) {
   EXPECT_LE(second->keyframes, first->keyframes + 2);
   EXPECT_GT(second->place_m, 0.0);
   EXPECT_LT(second->place_m, 0.08);
+  EXPECT_EQ(second->misplaced_frames, 0);
 }
 
 TEST(Sessions, SayWhenThereIsNoMapToGoOnWith) {

@@ -31,7 +31,7 @@ SystemOptions lasting_options(bool deterministic) {
   options.deterministic = deterministic;
   options.dynamics.variant = Variant::off;
   options.dynamics.compensation.points = 500;
-  options.tracking.arrival_s = kArrival_s;
+  options.tracking.arrival.duration_s = kArrival_s;
   return options;
 }
 

@@ -44,7 +44,7 @@ Tracker::Tracker(const TrackerOptions& options, bool in_known_map)
       state_(in_known_map ? TrackingState::lost : TrackingState::initializing),
       depth_watch_(options.doubt),
       doubt_(options.doubt),
-      settled_(!in_known_map) {}
+      arrival_(!in_known_map) {}
 
 TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_idle) {
   frame.points.assign(frame.features().size(), MapPointId{});
@@ -57,7 +57,7 @@ TrackResult Tracker::track(TrackedFrame frame, const Atlas& atlas, bool mapper_i
     return conclude(std::move(frame), atlas, std::move(result), mapper_idle);
   }
   // What contradicts the map with its depth may agree with it without.
-  if (state_ == TrackingState::tracking && options_.doubt.enabled) {
+  if (state_ == TrackingState::tracking && options_.doubt.enabled && arrival_.settled()) {
     TrackedFrame bare = colour_only(frame);
     bare.points.assign(bare.points.size(), MapPointId{});
     if (find_pose(atlas, bare, result) && moves_as_a_body(bare) &&
@@ -81,7 +81,24 @@ bool Tracker::find_pose(const Atlas& atlas, TrackedFrame& frame, TrackResult& re
   assign(*pose, frame);
   if (!is_where_reckoned(frame)) return false;
   const StageTimer local_timer(result.times, "local_map");
-  return track_local_map(atlas, frame, result);
+  return track_local_map(atlas, frame, result) && is_believed(atlas, frame, result);
+}
+
+bool Tracker::is_believed(const Atlas& atlas, const TrackedFrame& frame,
+                          const TrackResult& result) {
+  if (state_ == TrackingState::lost) {
+    const std::vector<KeyFrameId> recent = recent_keyframes(atlas, last_reference_);
+    const bool elsewhere = !is_reckoned(frame) && std::find(recent.begin(), recent.end(),
+                                                            result.reference) == recent.end();
+    if (elsewhere || !arrival_.settled()) {
+      arrival_.begin(frame.stamp);
+      last_candidate_stamp_ = frame.stamp;
+    }
+  }
+  if (arrival_.look(frame.stamp, result.agreement, options_.arrival)) return true;
+  log::debug("frame {}: looks less like the place that was recognised than a place does",
+             frame.index);
+  return false;
 }
 
 TrackResult Tracker::conclude(TrackedFrame frame, const Atlas& atlas, TrackResult result,
@@ -104,7 +121,7 @@ TrackResult Tracker::initialize(TrackedFrame frame) {
   if (!shows_enough(frame) || localization_only_) return result;
   frame.T_camera_world = SE3();
   last_ = frame;
-  settled_ = true;
+  arrival_.settle();
   last_candidate_stamp_ = frame.stamp;
   result.state = TrackingState::tracking;
   result.points = frame.points;
@@ -209,7 +226,7 @@ std::optional<PoseFromMatches> Tracker::pose_by_relocalization(const TrackedFram
   // every other one.
   const std::vector<KeyFrameId> recent = recent_keyframes(atlas, last_reference_);
   std::optional<Relocalization> found;
-  if (!settled_) {  // it has been nowhere yet
+  if (!arrival_.settled()) {  // it has been nowhere yet
     std::vector<KeyFrameId> places = similar_places(frame, atlas);
     places.insert(places.end(), recent.begin(), recent.end());
     found = relocalize_uniquely(atlas, frame, places, options_.relocalization, options_.pose,
@@ -252,6 +269,9 @@ bool Tracker::track_local_map(const Atlas& atlas, TrackedFrame& frame, TrackResu
                                                  frame.T_camera_world, matches, options_.pose);
   local_matches_ = std::move(matches);
   result.inliers = static_cast<int>(pose.inliers.size());
+  result.agreement = local_matches_.empty() ? 0.0
+                                            : static_cast<double>(result.inliers) /
+                                                  static_cast<double>(local_matches_.size());
   if (result.inliers < options_.min_local_inliers) return false;
   frame.points.assign(frame.points.size(), MapPointId{});
   assign(pose, frame);
@@ -328,7 +348,6 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   if (state_ == TrackingState::lost || T_reckoned_last_) {
     log::info("frame {}: tracking again", frame.index);
   }
-  settle(frame);
   take_motion(frame, result);
   state_ = result.state = TrackingState::tracking;
   lost_since_.reset();
@@ -337,7 +356,7 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   result.points = frame.points;
   StageTimer timer(result.times, "keyframe_decision");
   const bool believed = doubt_.settle(frame.stamp);
-  if (!localization_only_ && settled_ && believed && !frame.stale &&
+  if (!localization_only_ && arrival_.settled() && believed && !frame.stale &&
       needs_keyframe(situation(atlas, frame, result, mapper_idle), options_.keyframe)) {
     last_candidate_stamp_ = frame.stamp;
     result.candidate =
@@ -346,15 +365,6 @@ TrackResult Tracker::finish_tracked(TrackedFrame frame, const Atlas& atlas, Trac
   last_ = std::move(frame);
   timer.stop();
   return result;
-}
-
-/// A wrong place could bear itself out by keyframes of its own: only old points may do so.
-void Tracker::settle(const TrackedFrame& frame) {
-  if (settled_) return;
-  if (state_ == TrackingState::lost || !arrived_) {
-    arrived_ = last_candidate_stamp_ = frame.stamp;
-  }
-  settled_ = seconds_between(*arrived_, frame.stamp) >= options_.arrival_s;
 }
 
 bool Tracker::moves_as_a_body(const TrackedFrame& frame) const {

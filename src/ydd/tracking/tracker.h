@@ -11,6 +11,7 @@
 #include "ydd/matching/keyframe_candidate.h"
 #include "ydd/matching/pose_from_matches.h"
 #include "ydd/matching/relocalization.h"
+#include "ydd/tracking/arrival.h"
 #include "ydd/tracking/depth_watch.h"
 #include "ydd/tracking/keyframe_policy.h"
 
@@ -41,9 +42,9 @@ struct TrackerOptions {
   int min_local_inliers = 20;
   int max_local_keyframes = 80;
   double close_depth_m = 3.0;  ///< SystemOptions sets it
-  int place_candidates = 5;
+  int place_candidates = 20;
   double new_map_after_s = 3.0;
-  double arrival_s = 1.0;
+  ArrivalOptions arrival;
   int young_map_keyframes = 5;
   double map_reckoned_after_s = 0.5;
   DoubtOptions doubt;
@@ -63,6 +64,7 @@ struct TrackResult {
   std::optional<ReckonedMotion> reckoned;  ///< what the pose is from, where it was not seen
   int motion_inliers = 0;                  ///< points that agree with the first pose estimate
   int inliers = 0;                         ///< map points that agree with the final pose
+  double agreement = 0;                    ///< their share of those that seem to be seen, 0 to 1
   int local_points = 0;                    ///< size of the local map
   std::vector<MapPointId> points;          ///< per keypoint of the frame
   /// What the map should keep of the frame; none: nothing.
@@ -129,7 +131,7 @@ class Tracker {
                 TrackResult& result);
   KeyframeSituation situation(const Atlas& atlas, const TrackedFrame& frame,
                               const TrackResult& result, bool mapper_idle) const;
-  void settle(const TrackedFrame& frame);
+  bool is_believed(const Atlas& atlas, const TrackedFrame& frame, const TrackResult& result);
   bool is_known_place(const Atlas& atlas, const TrackedFrame& frame, const TrackResult& result,
                       double depth_m) const;
   TrackResult finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
@@ -168,8 +170,7 @@ class Tracker {
   Doubt doubt_;
   Timestamp last_candidate_stamp_;
   std::optional<Timestamp> lost_since_;
-  std::optional<Timestamp> arrived_;  ///< when a place of a map was found that it never was in
-  bool settled_ = true;               ///< that it stands there has been borne out since
+  Arrival arrival_;
   bool localization_only_ = false;
   std::vector<Views> views_;           ///< by slot of the point
   std::vector<std::uint32_t> viewed_;  ///< slots with views since the last candidate

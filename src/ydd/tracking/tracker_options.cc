@@ -41,12 +41,11 @@ void TrackerOptions::describe(OptionTable& t) {
         "most similar keyframes that are tried when lost");
   t.add("new_map_after_s", new_map_after_s, {0.0, 3600.0}, "s",
         "a new map is started when the camera has been lost for so long");
-  t.add("arrival_s", arrival_s, {0.0, 60.0}, "s",
-        "nothing enters a map that was loaded until its points have been followed for so long");
   t.add("young_map_keyframes", young_map_keyframes, {0, 1000}, "keyframes",
         "a map of so few that is lost is not waited for: a new one starts at once");
   t.add("map_reckoned_after_s", map_reckoned_after_s, {0.0, 60.0}, "s",
         "where motion sensors tell the pose: an unknown view enters the map after so long");
+  t.group("arrival", arrival);
   t.group("doubt", doubt);
 }
 
