@@ -39,7 +39,8 @@ TEST(Tracker, FindsItsPlaceInAMapThatIsThereAndExtendsIt) {
   const TrackResult found = walk.step();
   ASSERT_EQ(found.state, TrackingState::tracking);
   EXPECT_LT(position_error_m(found.T_world_camera, Walk::path(61)), 0.02);
-  for (int i = 0; i < 28; ++i) EXPECT_FALSE(walk.step().candidate.has_value()) << "arrival_s";
+  for (int i = 0; i < 28; ++i)
+    EXPECT_FALSE(walk.step().candidate.has_value()) << "arrival.duration_s";
   for (int i = 28; i < 60; ++i) ASSERT_EQ(walk.step().state, TrackingState::tracking);
   EXPECT_GT(walk.atlas().keyframes().size(), keyframes);
   EXPECT_EQ(walk.atlas().maps(), 1U);

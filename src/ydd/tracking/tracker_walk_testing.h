@@ -84,6 +84,7 @@ class Walk {
   using Senses = std::function<ReckonedMotion(std::int64_t then, std::int64_t now)>;
   void set_senses(Senses senses) { senses_ = std::move(senses); }
 
+  const PointWorld& world() const { return world_; }
   const View& view() const { return view_; }
   Atlas& atlas() { return mapper_.atlas(); }
   const Tracker& tracker() const { return tracker_; }
