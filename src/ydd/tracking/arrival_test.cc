@@ -66,8 +66,8 @@ Visit visit_next_room(const TrackerOptions& options) {
   Visit visit;
   for (int i = 0; i < 60; ++i) {
     const TrackResult result = walk.step_in(room, Walk::path(60 + i), 1.0);
-    visit.misplaced += result.state == TrackingState::tracking ? 1 : 0;
-    visit.keyframes += result.candidate ? 1 : 0;
+    visit.misplaced += result.reference.valid() ? 1 : 0;
+    visit.keyframes += result.candidate && result.candidate->reference.valid() ? 1 : 0;
   }
   return visit;
 }
