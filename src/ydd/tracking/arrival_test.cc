@@ -66,8 +66,11 @@ Visit visit_next_room(const TrackerOptions& options) {
   Visit visit;
   for (int i = 0; i < 60; ++i) {
     const TrackResult result = walk.step_in(room, Walk::path(60 + i), 1.0);
-    visit.misplaced += result.reference.valid() ? 1 : 0;
-    visit.keyframes += result.candidate && result.candidate->reference.valid() ? 1 : 0;
+    const auto in_first_map = [&](KeyFrameId id) {
+      return id.valid() && walk.atlas().at(id).map.slot == 0;
+    };
+    visit.misplaced += in_first_map(result.reference) ? 1 : 0;
+    visit.keyframes += result.candidate && in_first_map(result.candidate->reference) ? 1 : 0;
   }
   return visit;
 }
