@@ -54,7 +54,7 @@ PointWorld next_room(PointWorld world) {
 
 /// What comes of two seconds in the next room with the map of this one.
 struct Visit {
-  int misplaced = 0;  ///< frames with a pose in it
+  int misplaced = 0;  ///< frames that are tracked in it
   int keyframes = 0;  ///< that enter it
 };
 
@@ -69,7 +69,8 @@ Visit visit_next_room(const TrackerOptions& options) {
     const auto in_first_map = [&](KeyFrameId id) {
       return id.valid() && walk.atlas().at(id).map.slot == 0;
     };
-    visit.misplaced += in_first_map(result.reference) ? 1 : 0;
+    const bool tracking = result.state == TrackingState::tracking;
+    visit.misplaced += tracking && in_first_map(result.reference) ? 1 : 0;
     visit.keyframes += result.candidate && in_first_map(result.candidate->reference) ? 1 : 0;
   }
   return visit;
