@@ -144,6 +144,7 @@ Database::Database(const std::filesystem::path& file, Mode mode, const MapKey& k
 
 /// By a function of its own: what is in no SQL text cannot be in the message of an error.
 void Database::set_key(const MapKey& key) {
+  run("PRAGMA cipher_log_level = NONE");  // 4.6 and later write to standard error what we tell
   const std::string_view bytes = key.bytes();
   if (sql_->key(connection_.get(), bytes.data(), static_cast<int>(bytes.size())) != SQLITE_OK) {
     throw Refused("SQLCipher does not take this key");
