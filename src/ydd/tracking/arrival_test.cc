@@ -78,7 +78,7 @@ Visit visit_next_room(const TrackerOptions& options) {
 
 TEST(Arrival, ARoomThatLooksAlikeIsNotTakenForTheOneThatIsKnown) {
   TrackerOptions believing;
-  believing.arrival.min_agreement = 0;
+  believing.min_agreement = believing.arrival.min_agreement = 0;
   const Visit believed = visit_next_room(believing);
   EXPECT_GT(believed.misplaced, 50);
   EXPECT_GT(believed.keyframes, 0);

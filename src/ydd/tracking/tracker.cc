@@ -169,7 +169,7 @@ std::optional<PoseFromMatches> Tracker::initial_pose(const TrackedFrame& frame,
   if (pose && static_cast<int>(pose->inliers.size()) >= options_.sure_motion_inliers) return pose;
   // A camera that turned out of the search window: few agree, perhaps by chance.
   std::optional<PoseFromMatches> anywhere = pose_by_reference(frame, atlas);
-  if (!pose || (anywhere && anywhere->inliers.size() > pose->inliers.size())) {
+  if (!pose || (anywhere && anywhere->inliers.size() > 2 * pose->inliers.size())) {
     pose = std::move(anywhere);
   }
   return pose ? pose : pose_by_relocalization(frame, atlas);
@@ -273,6 +273,7 @@ bool Tracker::track_local_map(const Atlas& atlas, TrackedFrame& frame, TrackResu
                                             : static_cast<double>(result.inliers) /
                                                   static_cast<double>(local_matches_.size());
   if (result.inliers < options_.min_local_inliers) return false;
+  if (result.agreement < options_.min_agreement) return false;
   frame.points.assign(frame.points.size(), MapPointId{});
   assign(pose, frame);
   count_views(atlas, local, search, frame);

@@ -40,6 +40,7 @@ struct TrackerOptions {
   int min_motion_inliers = 10;
   int sure_motion_inliers = 40;
   int min_local_inliers = 20;
+  double min_agreement = 0.25;
   int max_local_keyframes = 80;
   double close_depth_m = 3.0;  ///< SystemOptions sets it
   int place_candidates = 20;

@@ -36,6 +36,8 @@ void TrackerOptions::describe(OptionTable& t) {
         "where fewer agree, the whole picture is searched as well and the better estimate taken");
   t.add("min_local_inliers", min_local_inliers, {3, 1000}, "",
         "map points that must agree with the final pose, else tracking is lost");
+  t.add("min_agreement", min_agreement, {0.0, 1.0}, "",
+        "share that they must be of the map points that seem to be seen, likewise");
   t.add("max_local_keyframes", max_local_keyframes, {1, 1000}, "", "keyframes in the local map");
   t.add("place_candidates", place_candidates, {0, 100}, "",
         "most similar keyframes that are tried when lost");
