@@ -17,21 +17,6 @@ constexpr std::uint64_t kTensorShape = 2;
 constexpr std::uint64_t kShapeDim = 1;
 constexpr std::uint64_t kDimValue = 1;
 
-std::string varint(std::uint64_t value) {
-  std::string out;
-  for (; value >= 0x80U; value >>= 7U) out += static_cast<char>((value & 0x7FU) | 0x80U);
-  return out + static_cast<char>(value);
-}
-
-std::string number_field(std::uint64_t id, std::uint64_t value) {
-  return varint(id << 3U) + varint(value);
-}
-
-std::string bytes_field(std::uint64_t id, std::string_view content) {
-  constexpr std::uint64_t kBytes = 2;
-  return varint((id << 3U) | kBytes) + varint(content.size()) + std::string(content);
-}
-
 /// A copy of a message in which `change` has put another content into each of its fields `id`;
 /// `change` gives a Result<std::string>.
 template <class Change>

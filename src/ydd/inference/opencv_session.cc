@@ -67,7 +67,7 @@ cv::dnn::Net read_net(std::string_view onnx, const Target& target) {
   return net;
 }
 
-/// A network that OpenCV can read for one size of input at a time: since 4.7 it computes all sizes
+/// A network that OpenCV can read for one size of input at a time: 4.10 computes all sizes
 /// while it reads, and takes those that the file leaves open as 1.
 struct OfOneSize {
   std::string onnx, input;

@@ -2,8 +2,11 @@
 #include "ydd/inference/protobuf_wire.h"
 
 #include <cstddef>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "ydd/base/byte_writer.h"
 
 namespace ydd {
 namespace {
@@ -28,6 +31,20 @@ std::uint64_t little_endian(std::string_view bytes) {
 }
 
 }  // namespace
+
+std::string number_field(std::uint64_t id, std::uint64_t value) {
+  ByteWriter out;
+  out.varint(id << 3U);
+  out.varint(value);
+  return std::move(out).take();
+}
+
+std::string bytes_field(std::uint64_t id, std::string_view content) {
+  ByteWriter out;
+  out.varint((id << 3U) | 2U);
+  out.varint(content.size());
+  return std::move(out).take().append(content);
+}
 
 std::optional<std::uint64_t> take_varint(std::string_view& bytes) {
   std::uint64_t value = 0;

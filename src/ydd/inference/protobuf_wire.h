@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -25,6 +26,10 @@ std::optional<std::uint64_t> take_varint(std::string_view& bytes);
 /// Takes the first field off `bytes`. Fails with "truncated: ..." when more bytes are announced
 /// than there are, and with "not an ONNX file" at a kind of field that ONNX does not use.
 Result<WireField> take_field(std::string_view& bytes);
+
+/// The other way: a field that holds a number, and one that holds bytes.
+std::string number_field(std::uint64_t id, std::uint64_t value);
+std::string bytes_field(std::uint64_t id, std::string_view content);
 
 /// Calls `take(field)` for every field of a message; it gives a Result<void>.
 template <class Take>

@@ -13,18 +13,15 @@
 #include <string_view>
 #include <vector>
 
+#include "ydd/inference/protobuf_wire.h"
+
 namespace ydd::testing_onnx {
 
-inline std::string varint(std::uint64_t value) {
-  std::string out;
-  for (; value >= 0x80; value >>= 7U) out += static_cast<char>((value & 0x7FU) | 0x80U);
-  return out + static_cast<char>(value);
-}
 inline std::string number(unsigned field, std::uint64_t value) {
-  return varint(field << 3U) + varint(value);
+  return number_field(field, value);
 }
 inline std::string bytes(unsigned field, std::string_view content) {
-  return varint((field << 3U) | 2U) + varint(content.size()) + std::string(content);
+  return bytes_field(field, content);
 }
 
 inline std::string ints(std::string_view name, const std::vector<std::uint64_t>& values) {

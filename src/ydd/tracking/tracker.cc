@@ -81,11 +81,11 @@ bool Tracker::find_pose(const Atlas& atlas, TrackedFrame& frame, TrackResult& re
   assign(*pose, frame);
   if (!is_where_reckoned(frame)) return false;
   const StageTimer local_timer(result.times, "local_map");
-  return track_local_map(atlas, frame, result) && is_believed(atlas, frame, result);
+  return track_local_map(atlas, frame, result) && confirm_place(atlas, frame, result);
 }
 
-bool Tracker::is_believed(const Atlas& atlas, const TrackedFrame& frame,
-                          const TrackResult& result) {
+bool Tracker::confirm_place(const Atlas& atlas, const TrackedFrame& frame,
+                            const TrackResult& result) {
   if (state_ == TrackingState::lost) {
     const std::vector<KeyFrameId> recent = recent_keyframes(atlas, last_reference_);
     const bool elsewhere = !is_reckoned(frame) && std::find(recent.begin(), recent.end(),

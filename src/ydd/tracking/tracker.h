@@ -132,7 +132,7 @@ class Tracker {
                 TrackResult& result);
   KeyframeSituation situation(const Atlas& atlas, const TrackedFrame& frame,
                               const TrackResult& result, bool mapper_idle) const;
-  bool is_believed(const Atlas& atlas, const TrackedFrame& frame, const TrackResult& result);
+  bool confirm_place(const Atlas& atlas, const TrackedFrame& frame, const TrackResult& result);
   bool is_known_place(const Atlas& atlas, const TrackedFrame& frame, const TrackResult& result,
                       double depth_m) const;
   TrackResult finish_tracked(TrackedFrame frame, const Atlas& atlas, TrackResult result,
