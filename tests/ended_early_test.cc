@@ -215,7 +215,8 @@ TEST(StandardStreams, AFullOneIsAFailure) {
   for (const char* const command : {"options", "eval T T --json", "eval T T", "--help"}) {
     std::string text = command;
     const std::string truth = few_frames() / "groundtruth.txt";
-    for (std::size_t at; (at = text.find('T')) != std::string::npos;) text.replace(at, 1, truth);
+    for (std::size_t at = 0; (at = text.find('T')) != std::string::npos;)
+      text.replace(at, 1, truth);
     const Outcome outcome = shell("$Y " + text + " > /dev/full");
     EXPECT_EQ(outcome.exit_code, 1) << command;
     EXPECT_EQ(outcome.error_lines().size(), 1U) << command << ": " << outcome.err;

@@ -17,7 +17,7 @@ constexpr std::string_view kMissing =
     "for the same program to use";
 constexpr std::string_view kOther =
     "encrypted maps need SQLCipher: the libsqlcipher that was found lacks its functions";
-constexpr std::string_view kSanitized =
+[[maybe_unused]] constexpr std::string_view kSanitized =
     "encrypted maps need SQLCipher, which cannot be loaded into a build with sanitizers";
 
 constexpr SqliteLibrary kPlain = {
