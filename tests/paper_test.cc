@@ -57,8 +57,8 @@ TEST(BenchPaper, WritesTheArticlesTablesWithOursBeside) {
   EXPECT_THAT(done.out, HasSubstr("4 runs (0 from before)"));
   EXPECT_THAT(done.out, HasSubstr("s of the 28.8 s of the published sequence: a clip"));
   const Json json = stand_in.json();
-  const Json& off = cell(json, 0, "fr3_walking_xyz", 0);
-  const Json& full = cell(json, 0, "fr3_walking_xyz", 4);
+  const Json off = cell(json, 0, "fr3_walking_xyz", 0);
+  const Json full = cell(json, 0, "fr3_walking_xyz", 4);
   EXPECT_EQ(full.at("article"), 0.0151);
   EXPECT_TRUE(cell(json, 0, "fr3_walking_rpy", 4).at("ours").is_null());
   if (!kSanitized) {

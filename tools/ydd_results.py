@@ -149,7 +149,10 @@ def commit():
     """The commit that is measured; '+' behind it when files differ from it."""
 
     def git(*arguments):
-        done = subprocess.run(["git", "-C", ROOT, *arguments], capture_output=True, text=True)
+        try:
+            done = subprocess.run(["git", "-C", ROOT, *arguments], capture_output=True, text=True)
+        except FileNotFoundError:  # no git here
+            return None
         return done.stdout.strip() if done.returncode == 0 else None
 
     head = git("rev-parse", "--short=10", "HEAD")
