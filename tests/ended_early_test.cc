@@ -150,7 +150,7 @@ TEST_P(LongWork, EndsSoonAndLeavesNothing) {
                   GetParam()),
       folder.path());
   EXPECT_EQ(outcome.exit_code, 128 + SIGINT);
-  EXPECT_THAT(outcome.err, EndsWith("error: SIGINT asked to end; nothing is left of it\n"));
+  EXPECT_THAT(outcome.err, EndsWith("error: SIGINT asked to end; what was not finished is gone\n"));
   EXPECT_TRUE(fs::is_empty(folder / "t"));
   for (const auto& entry : fs::directory_iterator(folder.path())) {
     EXPECT_THAT(entry.path().filename().string(), AnyOf("t", "out", "err"));

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
 #include <memory>
 #include <utility>
 
@@ -10,6 +8,7 @@
 #include "common/progress.h"
 #include "common/terminal.h"
 #include "ydd/base/files.h"
+#include "ydd/base/fresh_folder.h"
 #include "ydd/base/interruption.h"
 #include "ydd/base/log.h"
 #include "ydd/dataset/camera_file.h"
@@ -91,7 +90,7 @@ Result<int> write_folder(const Sequence& sequence, const Camera& camera, const f
   Lists lists;
   Progress progress(sequence.name(), sequence.size(), quiet);
   for (std::size_t i = 0; i < sequence.size(); ++i) {
-    if (interruption::signal() != 0) return Error{"interrupted; nothing is left of it"};
+    interruption::throw_if_asked();
     if (auto r = write_frame(sequence, i, camera, folder, lists); !r) {
       // A picture that cannot be read is the recording's fault, all others are ours.
       const bool ours = r.error().message.starts_with(folder.string());
@@ -116,18 +115,10 @@ Result<void> convert(const ConvertRequest& request) {
   if (!sequence) return sequence.error();
   const Result<Camera> camera = find_camera(sequence->recording(), request.camera);
   if (!camera) return camera.error();
-  // The folder appears whole or not at all.
-  fs::path part = to.has_filename() ? to : to.parent_path();
-  part += fmt::format(".{}.part", ::getpid());
-  std::error_code failure;
-  const Result<int> frames = write_folder(*sequence, *camera, part, request.quiet);
-  if (frames) fs::rename(part, to, failure);
-  if (!frames || failure) {
-    std::error_code ignored;
-    fs::remove_all(part, ignored);
-  }
+  const FreshFolder fresh(to);
+  const Result<int> frames = write_folder(*sequence, *camera, fresh.path(), request.quiet);
   if (!frames) return frames.error();
-  if (failure) return Error{fmt::format("{}: {}", to.string(), failure.message())};
+  if (auto r = fresh.place(); !r) return r;
   if (!request.quiet) fmt::print("{} frames in {}\n", *frames, to.string());
   return {};
 }

@@ -110,9 +110,8 @@ class SessionFolder {
 
 std::string row(const Json& s) {
   return fmt::format(
-      "| {} | {} | {} | {} | {:.1f} | {} | {} | {:.1f} | {:.4f} | {:.4f} | {} | {} ({}) | {} ({}) "
-      "| "
-      "{:.2f} | {:.0f} |\n",
+      "| {} | {} | {} | {} | {:.1f} | {} | {} | {:.1f} | {:.4f} | {:.4f} | {} | {} ({}) | "
+      "{} ({}) | {:.2f} | {:.0f} |\n",
       s["session"].get<int>() + 1, s["light"].get<std::string>(), s["keyframes"].get<int>(),
       s["points"].get<int>(), s["file_mb"].get<double>(), s["maps"].get<int>(),
       s["frames_until_found"].get<int>(), s["found_cpu_ms"].get<double>(), s["ate_m"].get<double>(),
@@ -126,8 +125,8 @@ std::string table_of(const Json& series, std::size_t every) {
   std::string table =
       "| session | light | keyframes | points | file MB | maps | frames until found | that frame, "
       "ms | ATE m | in the map m | frames misplaced | losses (frames) | loops and merges (false) | "
-      "ms a frame | "
-      "resident MB |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | "
+      "ms a frame | resident MB |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | "
+      "--- | --- | "
       "--- | --- | --- |\n";
   for (std::size_t i = 0; i < series.size(); ++i) {
     if (i == 0 || (i + 1) % every == 0 || i + 1 == series.size()) table += row(series[i]);

@@ -75,7 +75,8 @@ std::string signal_name() {
   }
 }
 
-Interrupted::Interrupted() : what_(signal_name() + " asked to end; nothing is left of it") {}
+Interrupted::Interrupted()
+    : what_(signal_name() + " asked to end; what was not finished is gone") {}
 
 void throw_if_asked() {
   if (signal() != 0) throw Interrupted();

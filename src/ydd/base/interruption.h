@@ -39,7 +39,7 @@ class Interrupted : public std::exception {
 };
 
 /// For work that is worth nothing when it is cut short: leaves it by an exception once a signal
-/// asked to end, so that temporary files go.
+/// asked to end, so that temporary files go. What was finished before stays.
 void throw_if_asked();
 
 /// All was done before the signal cut anything short: the program ends as if none had come.

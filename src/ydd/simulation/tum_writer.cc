@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/simulation/tum_writer.h"
-#include "ydd/base/interruption.h"
-
-#include <unistd.h>
 
 #include <algorithm>
 #include <iterator>
@@ -14,6 +11,8 @@
 #include <tbb/task_arena.h>
 
 #include "ydd/base/files.h"
+#include "ydd/base/fresh_folder.h"
+#include "ydd/base/interruption.h"
 #include "ydd/dataset/motion_files.h"
 #include "ydd/dataset/trajectory.h"
 #include "ydd/image/decode.h"
@@ -151,35 +150,6 @@ Result<void> write_all(const Simulator& simulator, const fs::path& folder,
   return write_lists(simulator, folder, options);
 }
 
-/// A folder that is being filled; it goes with this value unless it got its name.
-class PartFolder {
- public:
-  explicit PartFolder(const fs::path& folder) : folder_(folder), part_(folder) {
-    if (!part_.has_filename()) part_ = part_.parent_path();  // "out/"
-    part_ += fmt::format(".{}.part", ::getpid());  // two programs may write the same sequence
-    remove();
-  }
-  ~PartFolder() { remove(); }
-  PartFolder(const PartFolder&) = delete;
-  PartFolder& operator=(const PartFolder&) = delete;
-
-  const fs::path& path() const { return part_; }
-  Result<void> finish() const {
-    std::error_code failure;
-    fs::rename(part_, folder_, failure);
-    if (!failure) return {};
-    return Error{fmt::format("{}: cannot be named {}: {}", part_.string(), folder_.string(),
-                             failure.message())};
-  }
-
- private:
-  void remove() const {
-    std::error_code ignored;
-    fs::remove_all(part_, ignored);
-  }
-  fs::path folder_, part_;
-};
-
 }  // namespace
 
 RecordedFrame to_recorded_frame(const SimulatedFrame& frame, const std::string& colour_file) {
@@ -206,9 +176,9 @@ Result<void> write_tum_sequence(const Simulator& simulator, const fs::path& fold
     return Error{
         fmt::format("{}: exists already; remove it or name another folder", folder.string())};
   }
-  const PartFolder part(folder);
-  if (auto r = write_all(simulator, part.path(), options); !r) return r;
-  return part.finish();
+  const FreshFolder fresh(folder);
+  if (auto r = write_all(simulator, fresh.path(), options); !r) return r;
+  return fresh.place();
 }
 
 }  // namespace ydd

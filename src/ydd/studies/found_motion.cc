@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/found_motion.h"
-#include "ydd/base/interruption.h"
 
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "ydd/base/interruption.h"
 #include "ydd/evidence/motion_evidence.h"
 #include "ydd/simulation/depth_sensor.h"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/map_costs.h"
-#include "ydd/base/interruption.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "ydd/base/interruption.h"
 #include "ydd/base/timing.h"
 #include "ydd/loop/loop_closer.h"
 #include "ydd/map/local_map.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/point_decisions.h"
-#include "ydd/base/interruption.h"
 
 #include <algorithm>
 #include <initializer_list>
@@ -8,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "ydd/base/interruption.h"
 #include "ydd/base/timing.h"
 #include "ydd/dataset/camera_file.h"
 #include "ydd/dataset/frame_source.h"

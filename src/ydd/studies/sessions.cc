@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/sessions.h"
-#include "ydd/base/interruption.h"
 
 #include <unistd.h>
 
@@ -9,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "ydd/base/interruption.h"
 #include "ydd/base/timing.h"
 #include "ydd/evaluation/ate.h"
 #include "ydd/map_files/map_file.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ydd/studies/simulated_run.h"
-#include "ydd/base/interruption.h"
 
 #include <algorithm>
 
+#include "ydd/base/interruption.h"
 #include "ydd/evaluation/ate.h"
 #include "ydd/system/motion_feed.h"
 

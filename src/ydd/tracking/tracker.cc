@@ -84,6 +84,7 @@ bool Tracker::find_pose(const Atlas& atlas, TrackedFrame& frame, TrackResult& re
   return track_local_map(atlas, frame, result) && confirm_place(atlas, frame, result);
 }
 
+/// Where it was recognised in a place that it was not just in, the place must bear itself out.
 bool Tracker::confirm_place(const Atlas& atlas, const TrackedFrame& frame,
                             const TrackResult& result) {
   if (state_ == TrackingState::lost) {

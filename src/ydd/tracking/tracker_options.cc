@@ -33,7 +33,7 @@ void TrackerOptions::describe(OptionTable& t) {
   t.add("min_motion_inliers", min_motion_inliers, {3, 1000}, "",
         "points that must agree with the first pose estimate");
   t.add("sure_motion_inliers", sure_motion_inliers, {3, 1000}, "",
-        "where fewer agree, the whole picture is searched as well and the better estimate taken");
+        "where fewer agree, the whole picture is searched as well, and taken if twice as many do");
   t.add("min_local_inliers", min_local_inliers, {3, 1000}, "",
         "map points that must agree with the final pose, else tracking is lost");
   t.add("min_agreement", min_agreement, {0.0, 1.0}, "",
