@@ -99,12 +99,10 @@ std::vector<MovingRegion> moving_cells(const MotionOdds& odds) {
   const auto side_px = static_cast<float>(grid.cell_px);
   for (std::size_t i = 0; i < odds.moves.size(); ++i) {
     if (odds.moves[i] == 0) continue;
-    const int cell = static_cast<int>(i), row = cell / grid.columns;
-    const float x_px = side_px * static_cast<float>(cell - row * grid.columns);
-    const float y_px = side_px * static_cast<float>(row);
+    const Eigen::Vector2f at_px = grid.corner_px(i);
     const float z_m = odds.depth.z_m[i];
     regions.push_back({.rule = Rule::seen_moving,
-                       .box = {x_px, y_px, x_px + side_px, y_px + side_px},
+                       .box = {at_px.x(), at_px.y(), at_px.x() + side_px, at_px.y() + side_px},
                        .range = DepthRange{z_m - kThickness_m, z_m + kThickness_m}});
   }
   return regions;

@@ -30,6 +30,11 @@ struct CellGrid {
   int index(int column, int row) const { return row * columns + column; }
   /// The cell of a pixel; may lie outside.
   int cell_of(float px) const { return static_cast<int>(px * per_px); }
+  /// Where a cell begins: its corner to the left and above, px.
+  Eigen::Vector2f corner_px(std::size_t cell) const {
+    const int i = static_cast<int>(cell), row = i / columns;
+    return Eigen::Vector2i(i - row * columns, row).cast<float>() * static_cast<float>(cell_px);
+  }
   friend bool operator==(const CellGrid&, const CellGrid&) = default;
 };
 

@@ -40,6 +40,15 @@ CoarseDepth slanted_cells(float first_m, float step_m) {
   return out;
 }
 
+TEST(CellGrid, EveryCellBeginsWhereItsPixelsDo) {
+  const CellGrid grid(640, 480, 8);
+  for (int cell = 0; cell < grid.cells(); ++cell) {
+    const Eigen::Vector2f at_px = grid.corner_px(static_cast<std::size_t>(cell));
+    EXPECT_EQ(grid.index(grid.cell_of(at_px.x()), grid.cell_of(at_px.y())), cell);
+    EXPECT_EQ(grid.index(grid.cell_of(at_px.x() + 7), grid.cell_of(at_px.y() + 7)), cell);
+  }
+}
+
 TEST(CellGrid, LeavesOutCellsThatAreCutOff) {
   const CellGrid grid(23, 16, 8);
   EXPECT_EQ(grid.columns, 2);

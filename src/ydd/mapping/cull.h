@@ -17,7 +17,7 @@ struct CullOptions {
   int min_observations = 2;
   double redundant_share = 0.9;
   int redundant_observations = 3;
-  int place_keyframes = 4;
+  int place_keyframes = 3;
   double place_radius_m = 0.35;
   double place_rotation_rad = 0.26;
   double close_depth_m = 3.0;  ///< SystemOptions sets it

@@ -22,10 +22,9 @@ std::vector<Box> hidden_boxes(const FrameReport& report, const ObjectCatalogue& 
   const auto side_px = static_cast<float>(grid.cell_px);
   for (std::size_t i = 0; i < report.odds->moves.size(); ++i) {
     if (report.odds->moves[i] == 0) continue;
-    const int cell = static_cast<int>(i), row = cell / grid.columns;
-    const float x_px = side_px * static_cast<float>(cell - row * grid.columns);
-    const float y_px = side_px * static_cast<float>(row);
-    boxes.push_back(grown({x_px, y_px, x_px + side_px, y_px + side_px}, kCellMargin_px));
+    const Eigen::Vector2f at_px = grid.corner_px(i);
+    const Box cell{at_px.x(), at_px.y(), at_px.x() + side_px, at_px.y() + side_px};
+    boxes.push_back(grown(cell, kCellMargin_px));
   }
   return boxes;
 }
