@@ -46,7 +46,7 @@ Json series_to_json(const std::map<std::string, Series>& stages) {
 }
 
 /// Microseconds are fine enough.
-double rounded_ms(double value) { return std::round(value * 1e3) / 1e3; }
+double rounded(double value) { return std::round(value * 1e3) / 1e3; }
 
 /// One entry per item.
 template <class Items, class Get>
@@ -136,8 +136,9 @@ void RunRecorder::add(const FrameReport& report, const MapSize& map) {
     stages_[t.stage].cpu_ms.push_back(t.cpu_ms);
   }
   frames_.push_back({report.index, report.stamp, report.track.state, report.keyframe,
-                     report.requested, report.track.inliers, report.filtered->kept->size(), rules,
-                     count_objects(report.judgement), map, report.times});
+                     report.requested, report.track.inliers, report.track.agreement,
+                     report.filtered->kept->size(), rules, count_objects(report.judgement), map,
+                     report.times});
 }
 
 RunRecorder::Objects RunRecorder::count_objects(const Judgement& judgement) {
@@ -249,7 +250,7 @@ std::string RunRecorder::frames_json() const {
   const auto stage = [&](const std::string& name, double StageTime::*clock) {
     return list([&](const Frame& f) {
       const StageTime* const time = find_stage(f.times, name);
-      return time ? Json(rounded_ms(time->*clock)) : Json();
+      return time ? Json(rounded(time->*clock)) : Json();
     });
   };
   Json rejected = Json::object();
@@ -267,6 +268,7 @@ std::string RunRecorder::frames_json() const {
       {"requested", list([](const Frame& f) { return f.requested; })},
       {"kept", list([](const Frame& f) { return f.kept; })},
       {"inliers", list([](const Frame& f) { return f.inliers; })},
+      {"agreement", list([](const Frame& f) { return rounded(f.agreement); })},
       {"rejected", rejected},
       {"objects_moving", list([](const Frame& f) { return f.objects.moving; })},
       {"objects_still", list([](const Frame& f) { return f.objects.still; })},

@@ -82,6 +82,7 @@ class RunRecorder {
     TrackingState state = TrackingState::initializing;
     bool keyframe = false;
     int requested = 0, inliers = 0;
+    double agreement = 0;
     std::size_t kept = 0;
     std::array<int, kRuleCount> rules{};
     Objects objects;

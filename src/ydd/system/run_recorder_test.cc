@@ -104,7 +104,7 @@ TEST(RunRecorder, TimingsHoldStatisticsAndSeries) {
   }
 }
 
-TEST(RunRecorder, FramesTellWhatObjectsWereFoundToDo) {
+TEST(RunRecorder, FramesTellWhatObjectsWereFoundToDoAndHowMuchAgreed) {
   FrameReport report;
   report.filtered = std::make_shared<const FilteredFeatures>(
       FilteredFeatures{std::make_shared<const Features>(), {}});
@@ -117,6 +117,7 @@ TEST(RunRecorder, FramesTellWhatObjectsWereFoundToDo) {
   report.judgement.objects = {object(Rule::body_depth, 2.0F), object(Rule::kept, -3.0F),
                               object(Rule::moved_by_hand, 0.5F), object(Rule::kept, std::nullopt),
                               object(Rule::body_depth, std::nullopt)};
+  report.track.agreement = 2.0 / 3.0;
   RunRecorder recorder;
   recorder.add(report);
   report.judgement.objects.clear();
@@ -124,6 +125,7 @@ TEST(RunRecorder, FramesTellWhatObjectsWereFoundToDo) {
   const json frames = json::parse(recorder.frames_json());
   EXPECT_EQ(frames.at("objects_moving"), (json{2, 0}));
   EXPECT_EQ(frames.at("objects_still"), (json{1, 0}));
+  EXPECT_EQ(frames.at("agreement"), (json{0.667, 0.667}));
 }
 
 TEST(RunRecorder, NothingRecordedIsStillJson) {
