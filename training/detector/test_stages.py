@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
+import json
 import pathlib
 import tempfile
 import unittest
 
 import numpy as np
 
-from .corrected import labels
+from .corrected import correct, labels
 from .evaluate import Picture, rows
 from .faults import faults
 from .networks import Found
@@ -53,6 +54,16 @@ class Correcting(unittest.TestCase):
         row = lambda cls, pixels: {"cls": cls, "pixels": pixels, "box": [1, 2, 3, 4]}
         t = labels([row("person", 60), row("cup", 59), row("desk", 1000)])
         self.assertEqual(t, {"boxes": [["person", 1, 2, 3, 4]], "ignore": [["cup", 1, 2, 3, 4]]})
+
+    def test_frames_that_nobody_corrected_go(self) -> None:
+        with tempfile.TemporaryDirectory() as d:
+            folder, mine = pathlib.Path(d), {"boxes": [["person", 1, 2, 3, 4]], "ignore": []}
+            for name in ("000003", "000007"):
+                (folder / f"{name}.json").write_text('{"boxes": [], "ignore": []}')
+                (folder / f"{name}.jpg").write_text("")
+            self.assertEqual(correct(folder, {7: mine, 9: mine}), 1)
+            self.assertEqual(sorted(f.name for f in folder.iterdir()), ["000007.jpg", "000007.json"])
+            self.assertEqual(json.loads((folder / "000007.json").read_text()), mine)
 
 
 if __name__ == "__main__":
