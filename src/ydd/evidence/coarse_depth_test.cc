@@ -15,7 +15,8 @@ class CellPainting {
   explicit CellPainting(float z_m) : pixels_(std::size_t{kWidth} * kHeight, z_m) {}
   CellPainting& paint(int x0, int y0, int x1, int y1, float z_m) {
     for (int y = y0; y < y1; ++y) {
-      for (int x = x0; x < x1; ++x) pixels_[static_cast<std::size_t>(y * kWidth + x)] = z_m;
+      for (int x = x0; x < x1; ++x)
+        pixels_[static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x)] = z_m;
     }
     return *this;
   }

@@ -33,7 +33,8 @@ struct PlainMap {
   MapShape shape;
   std::vector<float> values;
   float& at(int c, int y, int x) {
-    const auto row = static_cast<std::size_t>(c * shape.rows + y);
+    const std::size_t row = static_cast<std::size_t>(c) * static_cast<std::size_t>(shape.rows) +
+                            static_cast<std::size_t>(y);
     return values[row * static_cast<std::size_t>(shape.columns) + static_cast<std::size_t>(x)];
   }
   bool has(int y, int x) const { return y >= 0 && y < shape.rows && x >= 0 && x < shape.columns; }
