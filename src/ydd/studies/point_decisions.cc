@@ -35,10 +35,10 @@ Result<GreyImage> load_mask(const Sequence& sequence, std::size_t i) {
 }
 
 std::vector<Box> person_boxes(const Detections& detections) {
-  static const ObjectCatalogue kCatalogue = ObjectCatalogue::defaults();
+  static const ObjectCatalogue catalogue = ObjectCatalogue::defaults();
   std::vector<Box> boxes;
   for (const Detection& d : detections) {
-    if (kCatalogue.is_person(d.class_name)) boxes.push_back(d.box);
+    if (catalogue.is_person(d.class_name)) boxes.push_back(d.box);
   }
   return boxes;
 }
