@@ -53,7 +53,9 @@ def main() -> None:
     by.add_argument("--eyes", type=pathlib.Path, help="boxes drawn by eye")
     args = ap.parse_args()
     known = exact(args.sequence) if args.sequence else drawn(args.eyes)
-    print(f"{args.suggested}: {correct(args.suggested, known)} frames corrected")
+    before = len(list(args.suggested.glob("*.json")))
+    stay = correct(args.suggested, known)
+    print(f"{args.suggested}: {stay} frames corrected, {before - stay} that nobody corrected are gone")
 
 
 if __name__ == "__main__":

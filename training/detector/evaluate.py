@@ -16,7 +16,7 @@ import torch
 
 from .boxes import area, intersections, iou
 from .classes import CLASSES
-from .data import size
+from .data import LONGEST, size
 from .label_real import frames_of, truth
 from .graphs import ExactNetwork, ExactTeachers
 from .networks import Found
@@ -56,7 +56,7 @@ def judged(d: pathlib.Path) -> list[Picture]:
             unknown = [[c, *r[-4:]] for r in t["ignore"] for c in known]
             boxes = [[CLASSES.index(r[0]), *r[1:]] for r in t["boxes"]]
             picture = Picture(f.with_suffix(".jpg"), rows(boxes), rows(unknown), known)
-            out.append(_without_tiny(picture, 416))
+            out.append(_without_tiny(picture, LONGEST))
     return out
 
 
@@ -204,10 +204,9 @@ def main() -> None:
         "--sizes",
         type=size,
         nargs="+",
-        default=[(320, 256), (416, 320), (512, 384)],
-        help="of our network",
+        default=[(320, 256), (416, 320)],
+        help="of our network; the teachers get the last",
     )
-    a("--others", type=size, default=(416, 320), help="size for an earlier network and for the teachers")
     a("--thresholds", nargs="*", default=[], help="CLASS=SCORE of ours; 0.3 for others and for other networks")
     a("--folder", type=pathlib.Path, nargs="*", default=[])
     a("--judge", type=pathlib.Path, help="folder of photographs kept apart (detector.photographs)")
@@ -225,9 +224,9 @@ def main() -> None:
     by = lambda s: f"{s[0]}x{s[1]}"
     ours = lambda model, s: ExactNetwork(model, "yolov5_heads", dict(enumerate(CLASSES)), s)
     nets = {f"ours {by(s)}": ours(args.model, s) for s in args.sizes}
+    nets[f"teachers {by(args.sizes[-1])}"] = ExactTeachers(args.models, args.sizes[-1])
     if args.before:
-        nets[f"before {by(args.others)}"] = ours(args.before, args.others)
-    nets[f"teachers {by(args.others)}"] = ExactTeachers(args.models, args.others)
+        nets[f"before {by(args.sizes[-1])}"] = ours(args.before, args.sizes[-1])
     part = lambda s: (pathlib.Path(s.split("=")[0]), s.split("=")[1])
     sets: dict[str, list[Picture]] = {str(d): folder(d) for d in args.folder}
     if args.judge:
