@@ -71,7 +71,7 @@ def main() -> None:
     a("judge", type=pathlib.Path)
     a("out", type=pathlib.Path)
     a("--cls", default="person")
-    a("--threshold", type=float, default=0.39)
+    a("--threshold", type=float, default=0.37)
     a("--size", type=size, default=(416, 320))
     args = ap.parse_args()
     torch.set_num_threads(1)

@@ -80,7 +80,7 @@ def main() -> None:
     ap.add_argument("folder", type=pathlib.Path)
     ap.add_argument("out", type=pathlib.Path)
     ap.add_argument("--models", type=pathlib.Path, required=True, help="folder of the teachers")
-    ap.add_argument("--size", type=size, default=(416, 320), help="at which the teachers look")
+    ap.add_argument("--size", type=size, default=(512, 384), help="at which the teachers look")
     ap.add_argument("--part", type=int, nargs=2, default=(0, 1), metavar=("K", "N"), help="every Nth picture, from the Kth")
     args = ap.parse_args()
     torch.set_num_threads(1)

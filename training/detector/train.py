@@ -23,7 +23,7 @@ from torch import Tensor, nn
 
 from .classes import CLASSES
 from .data import Augmenter, Frames, Sample, letterboxed, size
-from .distil import Distiller, distance, teacher
+from .distil import lessons, teachers
 from .files import write_whole
 from .fused import library
 from .loss import LossWeights, loss
@@ -78,18 +78,17 @@ class Trainee:
 
     def __init__(self, args: argparse.Namespace, frames: Frames):
         self.net = Yolo(len(CLASSES), args.width, args.depth).to(memory_format=torch.channels_last).train()
-        self.distiller = Distiller(self.net.channels) if args.teacher else None
+        self.teachers = teachers(self.net.channels, args.teacher, args.distil)
         self.step, last = 0, args.run / "last.pt"
         if args.start and not last.exists():
             start_from(self.net, args.start, views(frames, args.seed, 48))
         self.ema = copy.deepcopy(self.net).eval()
-        self.both = nn.ModuleList([self.net, *([self.distiller] if self.distiller else [])])
+        self.both = nn.ModuleList([self.net, self.teachers])
         self.optimiser = optimiser(self.both, args)
         if last.exists():
             state = torch.load(last, map_location="cpu")
             self.net.load_state_dict(state["net"]), self.ema.load_state_dict(state["ema"])
-            if self.distiller:
-                self.distiller.load_state_dict(state["distiller"])
+            self.teachers.load_state_dict(state["teachers"])
             self.optimiser.load_state_dict(state["optimiser"])
             self.step = state["step"]
 
@@ -113,7 +112,7 @@ def average(ema: nn.Module, net: nn.Module, step: int) -> None:
 def save(path: pathlib.Path, step: int, t: Trainee, args: argparse.Namespace) -> None:
     state = {
         "step": step, "net": t.net.state_dict(), "ema": t.ema.state_dict(), "optimiser": t.optimiser.state_dict(),
-        "distiller": t.distiller.state_dict() if t.distiller else None,
+        "teachers": t.teachers.state_dict(),
         "width": args.width, "depth": args.depth, "options": {k: str(v) for k, v in vars(args).items()},
     }  # fmt: skip
     tmp = path.with_suffix(".tmp")
@@ -181,7 +180,6 @@ def work(rank: int, frames: Frames, args: argparse.Namespace) -> None:
         where = f"file://{(args.run / 'workers').resolve()}"
         dist.init_process_group("gloo", init_method=where, rank=rank, world_size=args.workers)
     t = Trainee(args, frames)
-    graph = teacher(args.teacher) if args.teacher else None
     augmenters = [Augmenter(frames, *size, SHARES) for size in args.sizes]
     log = Log(args.run / "log.csv", t.step) if rank == 0 else None
     for step in range(t.step, args.steps):
@@ -191,13 +189,11 @@ def work(rank: int, frames: Frames, args: argparse.Namespace) -> None:
         with torch.autocast("cpu", torch.bfloat16, enabled=args.precision == "bf16"):
             features = t.net.features(x)
             outputs = t.net.answers(features)
-            taught = graph.run(x[real]) if graph and len(real) else []
-            answers = t.distiller([f[real] for f in features]) if t.distiller and taught else []
+            some = real[: len(x) // 4]  # teachers cost as much as the network
+            apart = lessons(t.teachers, x[some], [f[some] for f in features], step < args.warmup)
         total, parts = loss(outputs, targets, regions, LossWeights())
         total = total / len(x)
-        if taught:
-            apart = distance(answers, taught, LossWeights().balance)
-            total, parts = total + args.distil * apart, (*parts, float(apart.detach()))
+        total, parts = total + apart, (*parts, float(apart.detach()))
         t.optimiser.zero_grad(set_to_none=True)
         total.backward()
         share_gradients(t.both, args.workers)
@@ -206,7 +202,7 @@ def work(rank: int, frames: Frames, args: argparse.Namespace) -> None:
         if log is None:
             continue
         average(t.ema, t.net, step)
-        log.parts.append((*parts, 0.0)[:4])
+        log.parts.append(parts)
         if (step + 1) % args.every == 0 or step + 1 == args.steps:
             log.write(step + 1, rate(step, args))
             save(args.run / "last.pt", step + 1, t, args)
@@ -237,8 +233,8 @@ def main() -> None:
     a("--frames", type=pathlib.Path, nargs="*", default=[], help="folders of rendered and other frames")
     a("--photographs", type=pathlib.Path, nargs="*", default=[], help="folders of SET/NAME.jpg (detector.fill)")
     a("--start", type=pathlib.Path, help="our own network as ONNX to begin with instead of nothing")
-    a("--teacher", type=pathlib.Path, help="folder of the teachers: learn the soft answers of the COCO one too")
-    a("--distil", type=float, default=1.0, help="weight of that")
+    a("--teacher", type=pathlib.Path, help="folder of the teachers: learn their soft answers too")
+    a("--distil", type=float, nargs=2, default=(0.7, 0.06), help="weight of that, of the COCO and the body-head-hand one")
     a("--steps", type=int, default=10000)
     a("--decay", type=int, default=5000)
     a("--warmup", type=int, default=300)
