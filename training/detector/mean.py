@@ -36,7 +36,8 @@ def main() -> None:
     args = ap.parse_args()
     net = Yolo(len(CLASSES), args.width, args.depth)
     # Whatever moments the norms get here, their gains and shifts undo them.
-    take(net, mean(args.networks), torch.rand(2, 3, 256, 320, generator=torch.Generator().manual_seed(1)))
+    noise = torch.rand(2, 3, 256, 320, generator=torch.Generator().manual_seed(1))
+    take(net, mean(args.networks), noise, args.networks[0])
     tmp = args.out.with_suffix(".tmp")
     torch.save({"ema": net.eval().state_dict(), "width": args.width, "depth": args.depth}, tmp)
     tmp.rename(args.out)

@@ -19,20 +19,20 @@ def weights(file: pathlib.Path) -> dict[str, Tensor]:
 
 
 def start_from(net: Yolo, file: pathlib.Path, pictures: Tensor) -> None:
-    w = weights(file)
-    for name, m in net.named_modules():
-        if isinstance(m, Conv) and w[f"{name}.conv.weight"].shape != m.conv.weight.shape:
-            raise SystemExit(f"{file}: {name} has another width; --width and --depth must be the file's")
-    take(net, w, pictures)
+    take(net, weights(file), pictures, file)
 
 
 @torch.no_grad()
-def take(net: Yolo, w: dict[str, Tensor], pictures: Tensor) -> None:
+def take(net: Yolo, w: dict[str, Tensor], pictures: Tensor, file: pathlib.Path) -> None:
     """Every norm gets the moments that its convolution has on `pictures`, and the gain and shift that undo
-    them: the network answers as the exported one did and can be trained on."""
+    them: the network answers as the exported one, which `file` holds, did and can be trained on."""
     hooks = []
     for name, m in net.named_modules():
         if isinstance(m, Conv):
+            if f"{name}.conv.weight" not in w or f"{name}.conv.bias" not in w:
+                raise SystemExit(f"{file}: has no {name}; take a network that detector.export wrote")
+            if w[f"{name}.conv.weight"].shape != m.conv.weight.shape:
+                raise SystemExit(f"{file}: {name} has another width; --width and --depth must be the file's")
             m.conv.weight.copy_(w[f"{name}.conv.weight"])
             hooks.append(m.conv.register_forward_hook(_unfold(m, w[f"{name}.conv.bias"])))
     for k, head in enumerate(net.heads):

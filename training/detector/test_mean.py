@@ -38,7 +38,7 @@ class TestMean(unittest.TestCase):
 
     def test_of_one_network_twice_answers_like_it(self) -> None:
         file, net = self.exported(1), network(9)
-        take(net, mean([file, file]), torch.rand(2, 3, 64, 64))
+        take(net, mean([file, file]), torch.rand(2, 3, 64, 64), file)
         x = torch.rand(1, 3, 64, 96)
         with torch.no_grad():
             for mine, theirs in zip(net.eval()(x), network(1)(x)):
@@ -56,6 +56,15 @@ class TestMean(unittest.TestCase):
     def test_another_layout_is_refused(self) -> None:
         with self.assertRaisesRegex(SystemExit, "another layout"):
             mean([self.exported(1), self.exported(2, 0.125)])
+
+    def test_what_is_no_network_of_ours_is_named(self) -> None:
+        with self.assertRaisesRegex(SystemExit, "teacher.onnx: has no stem"):
+            take(network(1), {"conv1.weight": torch.zeros(1)}, torch.rand(1, 3, 64, 64), pathlib.Path("teacher.onnx"))
+
+    def test_another_width_than_was_said_is_named(self) -> None:
+        file = self.exported(1, 0.125)
+        with self.assertRaisesRegex(SystemExit, "another width"):
+            take(network(1), weights(file), torch.rand(1, 3, 64, 64), file)
 
 
 if __name__ == "__main__":
