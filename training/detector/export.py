@@ -13,6 +13,7 @@ import numpy as np
 import torch
 
 from .classes import CLASSES
+from .files import whole
 from .model import Sigmoids, Yolo
 
 
@@ -67,13 +68,12 @@ def main() -> None:
     net = load(args.checkpoint)
     if args.calibration:
         net = calibrated(net, args.calibration)
-    part = args.out.with_suffix(".part.onnx")
-    export(net, part)
-    worst = check(net, part)
-    print(f"{args.out}: {part.stat().st_size / 1e6:.2f} MB, OpenCV differs by {worst:.1e} at most")
-    if worst > 1e-3:
-        raise SystemExit("the exported network does not compute what was trained")
-    part.rename(args.out)
+    with whole(args.out) as part:
+        export(net, part)
+        worst = check(net, part)
+        print(f"{args.out}: {part.stat().st_size / 1e6:.2f} MB, OpenCV differs by {worst:.1e} at most")
+        if worst > 1e-3:
+            raise SystemExit("the exported network does not compute what was trained")
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 
 from .classes import CLASSES
+from .files import whole
 from .model import Yolo
 from .start import take, weights
 
@@ -38,9 +39,8 @@ def main() -> None:
     # Whatever moments the norms get here, their gains and shifts undo them.
     noise = torch.rand(2, 3, 256, 320, generator=torch.Generator().manual_seed(1))
     take(net, mean(args.networks), noise, args.networks[0])
-    tmp = args.out.with_suffix(".tmp")
-    torch.save({"ema": net.eval().state_dict(), "width": args.width, "depth": args.depth}, tmp)
-    tmp.rename(args.out)
+    with whole(args.out) as tmp:
+        torch.save({"ema": net.eval().state_dict(), "width": args.width, "depth": args.depth}, tmp)
 
 
 if __name__ == "__main__":

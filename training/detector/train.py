@@ -24,7 +24,7 @@ from torch import Tensor, nn
 from .classes import CLASSES
 from .data import Augmenter, Frames, Sample, letterboxed, size
 from .distil import lessons, teachers
-from .files import write_whole
+from .files import whole, write_whole
 from .fused import library
 from .loss import LossWeights, loss
 from .model import Yolo
@@ -115,9 +115,8 @@ def save(path: pathlib.Path, step: int, t: Trainee, args: argparse.Namespace) ->
         "teachers": t.teachers.state_dict(),
         "width": args.width, "depth": args.depth, "options": {k: str(v) for k, v in vars(args).items()},
     }  # fmt: skip
-    tmp = path.with_suffix(".tmp")
-    torch.save(state, tmp)
-    tmp.rename(path)
+    with whole(path) as tmp:
+        torch.save(state, tmp)
 
 
 def draw_curve(log: pathlib.Path, out: pathlib.Path) -> None:
