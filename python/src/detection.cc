@@ -19,8 +19,9 @@ namespace {
 using Sides = std::array<float, 4>;
 
 Detection detection_from(std::string class_name, const std::optional<Sides>& box, float score,
-                         const py::object& mask) {
+                         const py::object& mask, bool sure = true) {
   Detection out{std::move(class_name), score, {}};
+  out.sure = sure;
   if (box) out.box = {(*box)[0], (*box)[1], (*box)[2], (*box)[3]};
   if (!mask.is_none()) {
     out.mask = mask_from(array_from(mask, "mask"));
@@ -160,13 +161,17 @@ class_name  as in the object catalogue: "person", "head", "hand", "chair", ... A
             not know never moves.
 box         (x0, y0, x1, y1) in pixels of the colour image, [x0, x1) x [y0, y1)
 score       confidence in [0, 1]
+sure        whether that is enough to tell somebody that it is there; if not, its points are left out
+            all the same
 mask        None, or (height, width) of bool or integers, not 0 where the object is seen; of the size
             of the image. It is copied. It gives the box, and says in place of box and depth range
             which points lie on the object.)")
       .def(py::init(&detection_from), py::arg("class_name"), py::arg("box") = py::none(),
-           py::arg("score") = 1.0F, py::arg("mask") = py::none())
+           py::arg("score") = 1.0F, py::arg("mask") = py::none(), py::arg("sure") = true)
       .def_readonly("class_name", &Detection::class_name, "as it was given")
       .def_readonly("score", &Detection::score, "confidence in [0, 1]")
+      .def_readonly("sure", &Detection::sure,
+                    "whether the score is enough to tell somebody that it is there")
       .def_property_readonly(
           "box",
           [](const Detection& d) { return py::make_tuple(d.box.x0, d.box.y0, d.box.x1, d.box.y1); },

@@ -178,6 +178,16 @@ def test_detections_with_the_picture_stand_for_the_detectors(sample, boxes, run)
     assert slam.trajectory().text() == run[0].trajectory().text()
 
 
+def test_who_is_not_surely_there_costs_points_but_is_not_told_of(sample, boxes, run):
+    def doubted(picture):
+        return [Detection(d.class_name, d.box, d.score, sure=False) for d in boxes(picture)]
+
+    slam = Slam(sample.camera, FULL, detector=None)
+    frames = [slam.process(picture, detections=doubted(picture)) for picture in sample]
+    assert any(f.tracks for f in run[1]) and not any(f.tracks for f in frames)
+    assert [len(f.rejected) for f in frames] == [len(f.rejected) for f in run[1]]
+
+
 def test_a_mask_says_which_points_are_on_a_person(sample):
     slam = Slam(sample.camera, FULL, detector=None)
     mask = np.zeros((480, 640), bool)

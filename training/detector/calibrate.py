@@ -3,8 +3,8 @@
 
 On photographs kept apart: finds the stretch and shift of the objectness and of every class logit with
 which a score is the odds of a true box (least log loss; detector.export folds them into the last
-convolutions), one threshold for every class, and the reliability before and after, each half of the
-pictures judged by what the other half gave."""
+convolutions), one threshold for every class, for people a second one from which on a box is sure, and
+the reliability before and after, each half of the pictures judged by what the other half gave."""
 from __future__ import annotations
 
 import argparse
@@ -25,7 +25,7 @@ from .files import write_whole
 from .model import Yolo
 from .networks import Network
 
-FLOOR, LEAST = 0.01, 0.25  # scores that count; the lowest threshold
+FLOOR, LEAST, MOST = 0.01, 0.25, 0.8  # scores that count; the lowest and the highest threshold
 FEW, UNKNOWN = 10, 0.3  # boxes of a class that say nothing yet; its threshold then
 PRIOR = 20.0  # how hard a class is held near no change
 
@@ -109,7 +109,7 @@ def reliability(s: np.ndarray, hit: np.ndarray) -> tuple[list[tuple[float, float
     return rows, sum(n * abs(m - h) for m, h, n in rows) / max(len(s), 1)
 
 
-def threshold(s: np.ndarray, hit: np.ndarray, truths: int, precision: float) -> float:
+def threshold(s: np.ndarray, hit: np.ndarray, truths: int, precision: float, otherwise: float = 0.5) -> float:
     """The lowest score from which on at least this share of the boxes is right: what is missed costs the
     system more than what is doubted. Too few boxes say nothing."""
     if truths < FEW:
@@ -117,20 +117,34 @@ def threshold(s: np.ndarray, hit: np.ndarray, truths: int, precision: float) -> 
     order = np.argsort(-s)
     right = np.cumsum(hit[order]) / np.arange(1, len(s) + 1)
     good = np.flatnonzero(right >= precision)
-    return float(np.clip(s[order][good[-1]], LEAST, 0.8)) if len(good) else 0.5
+    return float(np.clip(s[order][good[-1]], LEAST, MOST)) if len(good) else otherwise
 
 
-def summary(v: np.ndarray, pictures: list[Picture], precisions: dict[str, float]) -> dict:
+def sure(s: np.ndarray, hit: np.ndarray, number: np.ndarray, truths: int, precision: float) -> dict:
+    """From which score on somebody may be told of a box; the share that is right and what is found of all, each
+    half of the pictures by the score that the other half gave."""
+    of = lambda m: threshold(s[m], hit[m], truths, precision, MOST)
+    half = number.astype(int) % 2 == 0
+    told = np.where(half, s >= of(~half), s >= of(half))
+    return {
+        "score": round(of(np.ones(len(s), bool)), 2), "boxes": int(told.sum()),
+        "precision": float(hit[told].mean()) if told.any() else 0.0, "recall": float(hit[told].sum() / max(truths, 1)),
+    }  # fmt: skip
+
+
+def summary(v: np.ndarray, pictures: list[Picture], precisions: dict[str, float], surest: dict[str, float]) -> dict:
     one = {"stretch": [1.0] * (1 + len(CLASSES)), "shift": [0.0] * (1 + len(CLASSES))}
     half = v[:, 0].astype(int) % 2 == 0
     crossed = np.where(half, scores(v, fit(v[~half])), scores(v, fit(v[half])))
     both = fit(v)
-    after, thresholds = scores(v, both), {}
+    after, thresholds, told = scores(v, both), {}, {}
     for c, name in enumerate(CLASSES):
         m, truths = v[:, 1] == c, sum(int((p.boxes[:, 0] == c).sum()) for p in pictures if c in p.classes)
         thresholds[name] = round(threshold(after[m], v[m, 4] > 0, truths, precisions.get(name, 0.5)), 2)
+        if name in surest:
+            told[name] = sure(after[m], v[m, 4] > 0, v[m, 0], truths, surest[name])
     return {
-        **both, "thresholds": thresholds, "boxes": len(v),
+        **both, "thresholds": thresholds, "sure": told, "boxes": len(v),
         "before": reliability(scores(v, one), v[:, 4]), "crossed": reliability(crossed, v[:, 4]),
     }  # fmt: skip
 
@@ -143,17 +157,21 @@ def main() -> None:
     a("out", type=pathlib.Path)
     a("--size", type=size, default=(416, 320))
     a("--precision", nargs="*", default=["person=0.75", "head=0.75", "hand=0.55", "monitor=0.55"], help="CLASS=LEAST at its threshold")
+    a("--sure", nargs="*", default=["person=0.95", "head=0.95", "hand=0.9"], help="the same from where it is sure")
     args = ap.parse_args()
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
     pictures = judged(args.judge)
     v = verdicts(Checkpoint(load(args.checkpoint).fuse(), args.size), pictures)
-    r = summary(v, pictures, {p.split("=")[0]: float(p.split("=")[1]) for p in args.precision})
+    shares = lambda options: {p.split("=")[0]: float(p.split("=")[1]) for p in options}
+    r = summary(v, pictures, shares(args.precision), shares(args.sure))
     write_whole(args.out, json.dumps(r, indent=1) + "\n")
     for name in ("before", "crossed"):
         rows, error = r[name]
         print(f"{name}: expected error {error:.3f}; " + ", ".join(f"{m:.2f}: {h:.2f} ({n})" for m, h, n in rows))
     print(r["thresholds"])
+    for name, t in r["sure"].items():
+        print(f"{name} sure from {t['score']}; crossed: {t['boxes']} boxes, {t['precision']:.2f} right, {t['recall']:.2f} found")
 
 
 if __name__ == "__main__":

@@ -178,9 +178,21 @@ def table(results: dict[str, dict[str, Tally]], thresholds: Thresholds) -> str:
     return "\n".join([*lines, "| mean | | " + " | ".join(f(m) for m in means) + " |"])
 
 
+PEOPLE = ("person", "head", "hand")
+
+
+def sure_table(results: dict[str, dict[str, Tally]], sure: dict[str, float]) -> str:
+    """Of people: precision and recall from where a box is sure, for ours."""
+    mine = {n: r for n, r in results.items() if n.startswith("ours")}
+    known = [c for c in PEOPLE if c in sure and next(iter(mine.values()))[c].truths]
+    cells = lambda c: " | ".join("{:.2f}, {:.2f}".format(*r[c].at(sure[c])) for r in mine.values())
+    head = ["| sure | from | " + " | ".join(mine) + " |", "|" + " --- |" * (2 + len(mine))]
+    return "\n".join([*head, *(f"| {c} | {sure[c]} | {cells(c)} |" for c in known)])
+
+
 def false_alarms(detector: object, files: list[pathlib.Path], name: str, thresholds: Thresholds) -> dict[str, int]:
     """Persons, heads and hands on frames without people."""
-    n = dict.fromkeys(("person", "head", "hand"), 0)
+    n = dict.fromkeys(PEOPLE, 0)
     for f in files:
         found: Found = detector.detect(cv2.imread(str(f)), 0.1)  # type: ignore[attr-defined]
         for c in n:
@@ -208,6 +220,7 @@ def main() -> None:
         help="of our network; the teachers get the last",
     )
     a("--thresholds", nargs="*", default=[], help="CLASS=SCORE of ours; 0.3 for others and for other networks")
+    a("--sure", nargs="*", default=[], help="CLASS=SCORE of ours from where a box is sure")
     a("--folder", type=pathlib.Path, nargs="*", default=[])
     a("--judge", type=pathlib.Path, help="folder of photographs kept apart (detector.photographs)")
     a("--before", type=pathlib.Path, help="an earlier network of ours to stand beside")
@@ -220,7 +233,8 @@ def main() -> None:
     args = ap.parse_args()
     cv2.setNumThreads(1)
     torch.set_num_threads(1)
-    thresholds = Thresholds({t.split("=")[0]: float(t.split("=")[1]) for t in args.thresholds})
+    scores = lambda options: {t.split("=")[0]: float(t.split("=")[1]) for t in options}
+    thresholds, sure = Thresholds(scores(args.thresholds)), scores(args.sure)
     by = lambda s: f"{s[0]}x{s[1]}"
     ours = lambda model, s: ExactNetwork(model, "yolov5_heads", dict(enumerate(CLASSES)), s)
     nets = {f"ours {by(s)}": ours(args.model, s) for s in args.sizes}
@@ -237,10 +251,10 @@ def main() -> None:
         sets |= eyeballed(args.eyeballed, args.data, trained)
     full = {**nets, "teachers 640x480": ExactTeachers(args.models)}
     for name, pictures in sets.items():
-        print(
-            f"\n{name}: {len(pictures)} frames\n"
-            + table({n: measure(d, pictures) for n, d in full.items()}, thresholds)
-        )
+        results = {n: measure(d, pictures) for n, d in full.items()}
+        print(f"\n{name}: {len(pictures)} frames\n{table(results, thresholds)}")
+        if sure:
+            print(f"\n{sure_table(results, sure)}")
     for s in args.taught:
         pictures = taught(*part(s), args.models, False)
         print(f"\n{s}, against the teachers at 640x480: {len(pictures)} frames")
@@ -251,6 +265,9 @@ def main() -> None:
     for s, files in nobody.items():
         for n, d in full.items():
             print(f"{s}: {len(files)} frames without people, {n}: {false_alarms(d, files, n, thresholds)}")
+            if sure and n.startswith("ours"):
+                told = false_alarms(d, files, n, Thresholds(sure))
+                print(f"{s}: {len(files)} frames without people, {n}, sure ones: {told}")
 
 
 if __name__ == "__main__":

@@ -38,6 +38,8 @@ struct Detection {
   Box box;                 ///< inside the image
   GreyImage mask = {};     ///< of the image's size: not 0 where the object is seen; empty: only the
                            ///< box is known
+  bool sure = true;        ///< enough to tell somebody that it is there; without, only to leave
+                           ///< points out
 };
 
 using Detections = std::vector<Detection>;  ///< Of one frame.

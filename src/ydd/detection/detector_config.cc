@@ -31,11 +31,11 @@ Result<void> read_renames(NetworkConfig& network, const YAML::Node& node, const 
   return {};
 }
 
-Result<void> read_thresholds(NetworkConfig& network, const YAML::Node& node,
-                             const std::string& file) {
+Result<void> read_thresholds(std::map<std::string, double>& thresholds, const std::string& key,
+                             const YAML::Node& node, const std::string& file) {
   const auto failure = [&](const YAML::Node& at) {
-    return Error{yaml_line(file, at) +
-                 ": 'class_thresholds' must be {class: score in [0.01, 1], ...}"};
+    return Error{fmt::format("{}: '{}' must be {{class: score in [0.01, 1], ...}}",
+                             yaml_line(file, at), key)};
   };
   if (!node.IsMap()) return failure(node);
   for (const auto& entry : node) {
@@ -44,7 +44,7 @@ Result<void> read_thresholds(NetworkConfig& network, const YAML::Node& node,
         !(threshold >= 0.01 && threshold <= 1.0)) {
       return failure(entry.first);
     }
-    network.class_thresholds[entry.first.Scalar()] = threshold;
+    thresholds[entry.first.Scalar()] = threshold;
   }
   return {};
 }
@@ -99,7 +99,9 @@ Result<void> read_network(NetworkConfig& network, OptionTable& table, const YAML
     if (key == "rename") {
       read = read_renames(network, entry.second, file);
     } else if (key == "class_thresholds") {
-      read = read_thresholds(network, entry.second, file);
+      read = read_thresholds(network.class_thresholds, key, entry.second, file);
+    } else if (key == "sure_thresholds") {
+      read = read_thresholds(network.sure_thresholds, key, entry.second, file);
     } else if (key == "keep") {
       read = read_keep(network, entry.second, file);
     } else if (key == "ranges") {
@@ -201,6 +203,7 @@ std::string lists_to_yaml(const NetworkConfig& n) {
   };
   return list_line("rename", n.rename, map(n.rename)) +
          list_line("class_thresholds", n.class_thresholds, map(n.class_thresholds)) +
+         list_line("sure_thresholds", n.sure_thresholds, map(n.sure_thresholds)) +
          list_line("keep", n.keep, [&](YAML::Emitter& out) { out << n.keep; }) +
          list_line("ranges", n.inference.ranges,
                    [&](YAML::Emitter& out) { out << n.inference.ranges; });

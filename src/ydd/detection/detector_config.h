@@ -44,6 +44,7 @@ struct NetworkConfig {
 
   std::map<std::string, std::string> rename;       ///< class of the table -> class of detections
   std::map<std::string, double> class_thresholds;  ///< by class of the table
+  std::map<std::string, double> sure_thresholds;   ///< likewise; a class without one is always sure
   std::vector<std::string> keep;                   ///< classes of the table; empty: all
 
   void describe(OptionTable& table);
@@ -57,6 +58,7 @@ struct NetworkConfig {
 ///         classes: coco_classes.yaml
 ///         rename: {tv: monitor}
 ///         class_thresholds: {person: 0.25}
+///         sure_thresholds: {person: 0.7} # weaker persons cost points, but nobody is told of them
 ///         keep: [person, chair]
 ///         ranges: [1, 22.7, 17.6]        # for precision int8, see InferenceOptions
 ///     merge: {hand_reach_heads: 4}

@@ -55,11 +55,12 @@ class DetectorFile : public testing::Test {
   std::filesystem::path folder_;
 };
 
-/// Black, with a patch that the colour spotter sees as its class number `channel`.
-RgbdFrame patch(std::size_t channel) {
+/// Black, with a patch that the colour spotter sees as its class number `channel`: surely, or with
+/// half the value by half.
+RgbdFrame patch(std::size_t channel, std::uint8_t value = 255) {
   std::vector<Bgr> pixels(std::size_t{128} * 96);
   for (int y = 40; y < 48; ++y) {
-    for (int x = 40; x < 48; ++x) pixels[static_cast<std::size_t>(y) * 128 + x][channel] = 255;
+    for (int x = 40; x < 48; ++x) pixels[static_cast<std::size_t>(y) * 128 + x][channel] = value;
   }
   RgbdFrame frame;
   frame.colour = ColourImage(128, 96, std::move(pixels));
@@ -88,6 +89,21 @@ TEST_F(DetectorFile, KeepAndThresholdsActByClass) {
   EXPECT_EQ((*detector)->detect(patch(1))->size(), 1U);
 }
 
+TEST_F(DetectorFile, WeakOnesOfAClassAreNotSure) {
+  const auto detector =
+      make_detector(write("detector.yaml", kNetwork + "    keep: [person, head]\n"
+                                                      "    sure_thresholds: {head: 0.7}\n"));
+  ASSERT_TRUE(detector.ok()) << detector.error().message;
+  const auto is_sure = [&](std::size_t channel, std::uint8_t value) {
+    const auto found = (*detector)->detect(patch(channel, value));
+    EXPECT_EQ(found->size(), 1U) << "it is told all the same";
+    return found->at(0).sure;
+  };
+  EXPECT_TRUE(is_sure(1, 255));
+  EXPECT_FALSE(is_sure(1, 140));
+  EXPECT_TRUE(is_sure(0, 140)) << "a class without a threshold is always";
+}
+
 TEST_F(DetectorFile, ReadsEveryPartAndWritesItBack) {
   const std::string text =
       "models: weights\n"
@@ -105,6 +121,7 @@ TEST_F(DetectorFile, ReadsEveryPartAndWritesItBack) {
       "    nms_iou: 0.6\n"
       "    rename: {tv: monitor}\n"
       "    class_thresholds: {person: 0.15}\n"
+      "    sure_thresholds: {person: 0.7}\n"
       "    ranges: [1, 22.7]\n"
       "    keep: [person, tv]\n"
       "  b: {model: b.onnx, classes: b.yaml}\n"
@@ -130,6 +147,7 @@ TEST_F(DetectorFile, ReadsEveryPartAndWritesItBack) {
     EXPECT_EQ(a.nms_iou, 0.6);
     EXPECT_EQ(a.rename.at("tv"), "monitor");
     EXPECT_EQ(a.class_thresholds.at("person"), 0.15);
+    EXPECT_EQ(a.sure_thresholds.at("person"), 0.7);
     EXPECT_EQ(a.inference.ranges, (std::vector<float>{1.0F, 22.7F}));
     EXPECT_THAT(a.keep, ElementsAre("person", "tv"));
     EXPECT_EQ(config->networks[1].model, "b.onnx");
@@ -166,8 +184,10 @@ TEST_F(DetectorFile, MistakesInTheFileAreNamedWithTheirLine) {
   EXPECT_THAT(failure_of(kNetwork + "    kind: yolo9000\n"),
               HasSubstr("must be one of auto, yolov5"));
   EXPECT_THAT(failure_of(kNetwork + "    rename: tv\n"), HasSubstr(":6: 'rename' must be"));
-  EXPECT_THAT(failure_of(kNetwork + "    class_thresholds: {person: 7}\n"),
-              HasSubstr(":6: 'class_thresholds' must be"));
+  for (const std::string key : {"class_thresholds", "sure_thresholds"}) {
+    EXPECT_THAT(failure_of(kNetwork + "    " + key + ": {person: 7}\n"),
+                HasSubstr(":6: '" + key + "' must be"));
+  }
   for (const char* ranges : {"7", "[1, 0]", "[.nan]", "[one]", "{a: 1}"}) {
     EXPECT_THAT(failure_of(kNetwork + "    ranges: " + ranges + "\n"),
                 HasSubstr(":6: 'ranges' must be"));

@@ -62,7 +62,7 @@ ColourImage draw_detections(const ColourImage& image, const Detections& detectio
     const Subcategory subcategory = catalogue.subcategory_of(d.class_name);
     const Bgr colour = colour_of(category_of(subcategory));
     const cv::Rect box = pixels_of(d.box);
-    cv::rectangle(canvas, box, scalar(colour), 2);
+    cv::rectangle(canvas, box, scalar(colour), d.sure ? 2 : 1);
     if (subcategory == Subcategory::person) {
       cv::drawMarker(canvas, {box.x + box.width / 2, box.y + box.height / 2}, scalar(colour),
                      cv::MARKER_CROSS, 12, 2);

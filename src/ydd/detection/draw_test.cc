@@ -31,6 +31,19 @@ TEST(DrawDetections, ColoursBoxesByCategoryAndLeavesTheImageAlone) {
       std::all_of(image.data(), image.data() + count, [](const Bgr& p) { return p == Bgr{}; }));
 }
 
+TEST(DrawDetections, WhatIsNotSureHasAThinLine) {
+  const auto widest = [](bool sure) {
+    Detections one = {{"chair", 0.5F, {20, 40, 80, 140}}};
+    one[0].sure = sure;
+    const ColourImage drawn = draw_detections(black(200, 150), one, ObjectCatalogue::defaults());
+    int width_px = 0;
+    for (int x = 10; x < 30; ++x) width_px += drawn(x, 100) == Bgr{} ? 0 : 1;
+    return width_px;
+  };
+  EXPECT_EQ(widest(false), 1);
+  EXPECT_GT(widest(true), 1);
+}
+
 TEST(DrawDetections, CutsOffWhatLeavesTheImage) {
   const Detections outside = {{"person", 1.0F, {-50, -50, 300, 300}},
                               {"head", 1.0F, {90, 0, 100, 10}},

@@ -60,6 +60,9 @@ Result<void> check_named_classes(const NetworkConfig& network,
   for (const auto& [name, threshold] : network.class_thresholds) {
     if (auto known = check("class_thresholds", name); !known) return known;
   }
+  for (const auto& [name, threshold] : network.sure_thresholds) {
+    if (auto known = check("sure_thresholds", name); !known) return known;
+  }
   for (const std::string& name : network.keep) {
     if (auto known = check("keep", name); !known) return known;
   }
@@ -79,9 +82,12 @@ std::vector<YoloClass> classes_of(const NetworkConfig& network,
       entry.name =
           name_in_rules(renamed == network.rename.end() ? name : renamed->second, catalogue);
     }
-    const auto own = network.class_thresholds.find(name);
-    entry.score_threshold = static_cast<float>(
-        own == network.class_thresholds.end() ? network.score_threshold : own->second);
+    const auto threshold_of = [&](const std::map<std::string, double>& own, double otherwise) {
+      const auto found = own.find(name);
+      return static_cast<float>(found == own.end() ? otherwise : found->second);
+    };
+    entry.score_threshold = threshold_of(network.class_thresholds, network.score_threshold);
+    entry.sure_threshold = threshold_of(network.sure_thresholds, 0);
     classes.push_back(std::move(entry));
   }
   return classes;

@@ -40,6 +40,7 @@ std::string to_json(const RecordedDetection& d) {
   const Box& b = d.detection.box;
   out += fmt::format(", \"score\": {}, \"box\": [{}, {}, {}, {}]", d.detection.score, b.x0, b.y0,
                      b.x1, b.y1);
+  if (!d.detection.sure) out += ", \"sure\": false";
   if (d.pixels) out += fmt::format(", \"pixels\": {}", *d.pixels);
   if (d.moved_in_sequence) out += fmt::format(", \"moved_in_sequence\": {}", *d.moved_in_sequence);
   return out + "}";
@@ -101,6 +102,7 @@ RecordedDetection parse_detection(const Json& object) {
     throw Malformed{fmt::format("'score' is {} but must be in [0, 1]", out.detection.score)};
   }
   out.detection.box = parse_box(member(object, "box"));
+  out.detection.sure = optional_member<bool>(object, "sure").value_or(true);
   out.name = optional_member<std::string>(object, "name").value_or("");
   out.id = optional_member<std::int64_t>(object, "id");
   out.dynamic = optional_member<bool>(object, "dynamic");

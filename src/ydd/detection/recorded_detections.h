@@ -45,8 +45,8 @@ struct RecordedFrame {
 std::string to_json_line(const RecordedFrame& frame);
 
 /// Parses one line. Needs `timestamp` (text or number, seconds), `detections` and in each of them
-/// `cls` and `box`; `score` is 1 when absent; keys that are not known are ignored. `source` starts
-/// the message of a failure ("detections.jsonl:12").
+/// `cls` and `box`; `score` is 1 and `sure` true when absent; keys that are not known are ignored.
+/// `source` starts the message of a failure ("detections.jsonl:12").
 Result<RecordedFrame> parse_recorded_frame(std::string_view line, std::string_view source);
 
 /// Writes all frames, one a line; readers see the old file or the whole new one.

@@ -91,6 +91,7 @@ TEST_F(RecordedDetectionsFile, WrittenFramesReadBackBitByBit) {
   full.detections[0].dynamic = false;
   full.detections[0].moved_in_sequence = true;
   full.detections[0].pixels = 99;
+  full.detections[0].detection.sure = false;
   const RecordedFrame bare = frame_at(5, {{"head", 0.30000001F, {0, 0, 1, 1}}});
   ASSERT_TRUE(write_recorded_detections(path(), std::vector{full, bare}).ok());
   const auto recording = DetectionRecording::read(path());
@@ -100,6 +101,7 @@ TEST_F(RecordedDetectionsFile, WrittenFramesReadBackBitByBit) {
   const RecordedDetection& d = back->detections.at(0);
   EXPECT_EQ(d.detection.class_name, full.detections[0].detection.class_name);
   EXPECT_EQ(d.detection.score, 0.1F);
+  EXPECT_FALSE(d.detection.sure);
   EXPECT_EQ(d.detection.box, full.detections[0].detection.box);
   EXPECT_EQ(d.name, "cup3");
   EXPECT_EQ(d.id, 7);
@@ -110,6 +112,7 @@ TEST_F(RecordedDetectionsFile, WrittenFramesReadBackBitByBit) {
   EXPECT_EQ(back->file, "rgb/1.png");
   const RecordedDetection& plain = recording->frames().at(0).detections.at(0);
   EXPECT_EQ(plain.detection.score, 0.30000001F);
+  EXPECT_TRUE(plain.detection.sure);
   EXPECT_FALSE(plain.id || plain.dynamic || plain.moved_in_sequence || plain.pixels);
 }
 

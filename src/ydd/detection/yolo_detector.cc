@@ -99,6 +99,7 @@ Result<Detections> YoloDetector::detect(const RgbdFrame& frame) {
     const YoloClass& its_class = settings_.classes[static_cast<std::size_t>(c.class_index)];
     if (its_class.name.empty() || c.score < its_class.score_threshold) continue;
     found.push_back({its_class.name, c.score, to_image(c.box_input, place)});
+    found.back().sure = c.score >= its_class.sure_threshold;
   }
   // Suppression before clipping: boxes that leave the picture keep their true overlap.
   return clipped(suppress_non_maxima(std::move(found), settings_.nms_iou),

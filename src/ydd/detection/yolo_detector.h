@@ -17,6 +17,7 @@ namespace ydd {
 struct YoloClass {
   std::string name;              ///< as detections carry it; empty: ignored
   float score_threshold = 0.3F;  ///< weaker detections are dropped
+  float sure_threshold = 0;      ///< weaker ones are not sure
 };
 
 /// What a network of this kind is told.

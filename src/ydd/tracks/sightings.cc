@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ydd/detection/boxes.h"
+#include "ydd/dynamics/evidence_rules.h"
 
 namespace ydd {
 namespace {
@@ -195,6 +196,12 @@ bool is_followed(const ObjectJudgement& object) {
   return false;
 }
 
+/// Whether the evidence alone says so, whatever is presumed of it.
+bool is_seen_to_move(const ObjectJudgement& object) {
+  constexpr float kMoves = 1.0F;  // log-odds, as for the verdict of a cell
+  return object.log_odds && *object.log_odds - prior_log_odds(object.rule) > kMoves;
+}
+
 /// The depth of the head that was matched to a person; none: no head, or no reading on it.
 std::optional<float> head_depth(const ObjectJudgement& person, const Judgement& judgement) {
   for (const ObjectJudgement& object : judgement.objects) {
@@ -363,7 +370,9 @@ bool is_told_already(std::vector<Measured>& others, const Measured& found) {
     if (other.sighting.class_name != found.sighting.class_name) continue;
     const Eigen::Vector3d off_m = other.sighting.p_camera - found.sighting.p_camera;
     if (std::hypot(off_m.x(), off_m.z()) > kOneBody_m) continue;
+    const bool sure = found.sighting.sure || other.sighting.sure;
     if (found.readings > other.readings) other = found;
+    other.sighting.sure = sure;
     return true;
   }
   return false;
@@ -386,10 +395,12 @@ std::vector<Sighting> find_sightings(const SightedFrame& frame, const Camera& ca
     const ObjectJudgement& object = *asked.object;
     const double half_m = asked.person ? kBodyHalf_m : kSurfaceShare * asked.thickness_m;
     Sighting sighting = measure.of(readings, object.box, half_m, asked.thickness_m, quantile);
-    sighting.class_name = frame.detections[static_cast<std::size_t>(object.detection)].class_name;
+    const Detection& detection = frame.detections[static_cast<std::size_t>(object.detection)];
+    sighting.class_name = detection.class_name;
     sighting.image_track = object.track;
     sighting.moves = object.rule != Rule::kept;
     sighting.log_odds = object.log_odds;
+    sighting.sure = detection.sure || is_seen_to_move(object);
     const Measured found{std::move(sighting), readings.size()};
     if (!is_told_already(objects, found)) objects.push_back(found);
   }

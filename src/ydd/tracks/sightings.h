@@ -26,6 +26,7 @@ struct Sighting {
   Eigen::Vector3d extent_m = Eigen::Vector3d::Zero();  ///< width, height as seen; depth by class
   bool cut = false;                                    ///< the picture's border cuts it
   bool moves = false;                                  ///< as judged
+  bool sure = true;                                    ///< the detector is, or it is seen to move
   std::optional<float> log_odds;  ///< that it moves; none: nothing is known (variant `evidence`)
 };
 

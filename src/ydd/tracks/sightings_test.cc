@@ -121,6 +121,29 @@ TEST(Sightings, AMovingSurfaceOfNoNameIsAThing) {
   EXPECT_NEAR(*seen[0].log_odds, 3.0F, 1e-4F);
 }
 
+TEST(Sightings, IsSureWhenTheDetectorIsOrWhenItIsSeenToMove) {
+  const PaintedScene scene = PaintedScene().thing("person", {320, 160, 400, 400}, 2.0F);
+  const MotionOdds moves = moving_cells(40, 50, 20, 50, 2.0F);
+  const MotionOdds nothing_known = MotionOdds{};
+  for (const bool sure : {false, true}) {
+    Detections detections = scene.detections();
+    detections[0].sure = sure;
+    for (const MotionOdds* odds : {&moves, &nothing_known}) {
+      DynamicsOptions options;
+      options.variant = Variant::evidence;
+      DynamicsJudge judge(options, ObjectCatalogue::defaults());
+      const MotionOdds* known = odds->empty() ? nullptr : odds;
+      const DepthImage depth_m = scene.depth();
+      const Judgement judgement = judge.judge({}, detections, depth_m, known);
+      const auto seen = find_sightings({judgement, detections, depth_m, known}, lens(),
+                                       ObjectCatalogue::defaults(), {}, {});
+      ASSERT_THAT(seen, SizeIs(1));
+      EXPECT_EQ(seen[0].sure, sure || known != nullptr);
+      EXPECT_TRUE(seen[0].moves) << "its points are left out all the same";
+    }
+  }
+}
+
 TEST(Sightings, ASpeckIsNoThingAndNeitherIsALimb) {
   const MotionOdds speck = moving_cells(10, 12, 20, 22, 2.0F);
   EXPECT_THAT(sightings_in(PaintedScene(), &speck), IsEmpty());

@@ -70,7 +70,7 @@ void WorldTracker::move(const SE3& T_new_old) {
 std::vector<WorldTrack> WorldTracker::tracks() const {
   std::vector<WorldTrack> out;
   for (const Track& track : tracks_) {
-    if (track.sightings < options_.confirm) continue;
+    if (track.sightings < options_.confirm || !track.sure) continue;
     out.push_back(track.told);
     out.back().position_m = track.x.head<3>();
     out.back().velocity_m_s = track.x.tail<3>();
@@ -150,6 +150,7 @@ void WorldTracker::correct(Track& track, const Seen& seen) {
   track.P -= K * PH.transpose();
   track.P = 0.5 * (track.P + track.P.transpose()).eval();
   ++track.sightings;
+  track.sure = track.sure || s.sure;
   track.image_track = s.image_track;
   if (track.told.class_name == kThing) track.told.class_name = s.class_name;
   track.told.extent_m = merged_extent(track.told.extent_m, s);
@@ -171,6 +172,7 @@ void WorldTracker::begin(const Seen& seen) {
   track.P.bottomRightCorner<3, 3>() =
       kFirstSpeed_m_s * kFirstSpeed_m_s * Eigen::Matrix3d::Identity();
   track.sightings = 1;
+  track.sure = s.sure;
   track.image_track = s.image_track;
   tracks_.push_back(std::move(track));
 }

@@ -50,7 +50,7 @@ class WorldTracker {
   /// Ends all; ids are not given again.
   void clear() { tracks_.clear(); }
 
-  /// Those seen often enough, by rising id.
+  /// Those seen often enough and surely once, by rising id.
   std::vector<WorldTrack> tracks() const;
 
  private:
@@ -60,6 +60,7 @@ class WorldTracker {
     State x = State::Zero();
     Matrix6d P = Matrix6d::Identity();
     int sightings = 0;
+    bool sure = false;  ///< once
     std::int64_t image_track = -1;
   };
   struct Seen;  ///< a sighting in the world

@@ -91,6 +91,20 @@ TEST(WorldTracker, IsToldOfAfterSomeSightingsOnly) {
   EXPECT_THAT(tracker.tracks(), SizeIs(1));
 }
 
+TEST(WorldTracker, OneThatWasNeverSureIsNotToldOf) {
+  WorldTracker tracker({});
+  Sighting doubtful = person({0, 0, 2});
+  doubtful.sure = false;
+  int i = 0;
+  for (; i < 30; ++i) tracker.see(at_s(i / 30.0), SE3(), std::vector{doubtful});
+  EXPECT_THAT(tracker.tracks(), IsEmpty());
+  tracker.see(at_s(i++ / 30.0), SE3(), std::vector{person({0, 0, 2})});
+  ASSERT_THAT(tracker.tracks(), SizeIs(1)) << "sure once is enough";
+  tracker.see(at_s(i / 30.0), SE3(), std::vector{doubtful});
+  ASSERT_THAT(tracker.tracks(), SizeIs(1));
+  EXPECT_NEAR(tracker.tracks()[0].age_s, 1, 0.05) << "known since the first glimpse";
+}
+
 /// Walked for two seconds with one metre a second to the right, seen until then.
 WorldTracker walked() {
   WorldTracker tracker({});
