@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
+#include <map>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -73,6 +75,37 @@ TEST(Tracks, ARunLeavesALinePerFrameAndTheReportShowsThem) {
   std::ifstream report(out / "report.html");
   const std::string html((std::istreambuf_iterator<char>(report)), {});
   EXPECT_NE(html.find("\"class\":\"person\""), std::string::npos);
+}
+
+/// By id, where each person that a run tells of was first told, in frames.
+std::map<std::int64_t, int> first_told(const fs::path& tracks) {
+  std::map<std::int64_t, int> first;
+  std::ifstream file(tracks);
+  for (std::string line; std::getline(file, line);) {
+    const json frame = json::parse(line);
+    for (const json& track : frame.at("tracks")) {
+      if (track.at("class") != "person") continue;
+      first.emplace(track.at("id").get<std::int64_t>(), frame.at("frame").get<int>());
+    }
+  }
+  return first;
+}
+
+TEST(Tracks, AMarkOnTheWallThatLooksLikeAPersonIsToldToNobody) {
+  const char* const data = std::getenv("YDD_DATA");  // NOLINT(concurrency-mt-unsafe)
+  const fs::path clip = fs::path(data == nullptr ? "" : data) / "bonn_crowd_clip";
+  if (kSanitized || data == nullptr || !fs::exists(clip)) {
+    GTEST_SKIP() << "needs YDD_DATA/bonn_crowd_clip";
+  }
+  const TemporaryFolder scratch;
+  const fs::path out = fs::path(scratch / "run");
+  const Outcome run =
+      ydd_slam({"run", clip.string(), "--out", out.string(), "--quiet", "--deterministic"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  constexpr int kFirstMan = 15;  // before it the laboratory is empty but for the mark
+  const auto told = first_told(out / "tracks.jsonl");
+  EXPECT_GE(told.size(), 3U) << "three men walk past";
+  for (const auto& [id, frame] : told) EXPECT_GE(frame, kFirstMan) << "track " << id;
 }
 
 }  // namespace
