@@ -100,7 +100,8 @@ TEST(Tracks, AMarkOnTheWallThatLooksLikeAPersonIsToldToNobody) {
   const TemporaryFolder scratch;
   const fs::path out = fs::path(scratch / "run");
   const Outcome run =
-      ydd_slam({"run", clip.string(), "--out", out.string(), "--quiet", "--deterministic"});
+      ydd_slam({"run", clip.string(), "--out", out.string(), "--quiet", "--deterministic",
+                "--detector", YDD_SOURCE_DIR "/configs/detector/ydd.yaml"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   constexpr int kFirstMan = 15;  // before it the laboratory is empty but for the mark
   const auto told = first_told(out / "tracks.jsonl");
