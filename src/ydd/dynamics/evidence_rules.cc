@@ -12,6 +12,7 @@ namespace {
 constexpr float kPersonMoves = 1.5F;   // more than four times out of five
 constexpr float kThingMoves = 0.7F;    // two times out of three, where a rule says so
 constexpr float kMovingShare = 0.15F;  // of a region: a typing person's arms
+constexpr float kMostlyMoves = 0.5F;   // of a region
 constexpr float kCalm_s = 0.5F;        // of a region that stands still, ...
 constexpr float kLongCalm_s = 0.7F;    // ... of a surface that does, inside a region that moves
 constexpr float kSurelyStill = -3.0F;
@@ -79,6 +80,8 @@ RegionOdds region_odds(const MovingRegion& region, const MotionOdds& odds) {
   out.moving_share /= cells;
   return out;
 }
+
+bool is_seen_to_move(const RegionOdds& found) { return found.moving_share >= kMostlyMoves; }
 
 bool stands_still(const RegionOdds& found, Rule rule) {
   return found.cells > 0 && found.moving_share <= kMovingShare && found.calm_s >= kCalm_s &&

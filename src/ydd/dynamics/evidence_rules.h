@@ -25,6 +25,9 @@ struct RegionOdds {
 };
 RegionOdds region_odds(const MovingRegion& region, const MotionOdds& odds);
 
+/// Whether at least half of the region is judged to move, whatever it is called.
+bool is_seen_to_move(const RegionOdds& found);
+
 /// Whether the region stands still, whatever it is called: the evidence outweighs what is presumed,
 /// no larger part of it moves, and that for a while. Without a reading what is presumed stays.
 bool stands_still(const RegionOdds& found, Rule rule);

@@ -75,6 +75,12 @@ TEST(RegionOdds, OfAMaskAreThoseOfItsCells) {
   EXPECT_FLOAT_EQ(found.moving_share, 0.0F);
 }
 
+TEST(RegionOdds, HalfOfItMovingIsSeenToMoveWhateverIsPresumed) {
+  EXPECT_TRUE(is_seen_to_move({.log_odds = -3, .moving_share = 0.5F, .cells = 2}));
+  EXPECT_FALSE(is_seen_to_move({.log_odds = 6, .moving_share = 0.49F, .cells = 2}));
+  EXPECT_FALSE(is_seen_to_move({}));
+}
+
 TEST(RegionOdds, AreMeansOverTheCellsInRange) {
   const PaintedScene scene = PaintedScene(4.0F).paint({200, 200, 240, 280}, 2.0F);
   const MotionOdds odds = odds_moving_at(scene, 2.0F);

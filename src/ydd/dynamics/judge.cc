@@ -76,6 +76,7 @@ std::vector<MovingRegion> moving_ones(const std::vector<MovingRegion>& regions,
     if (region.object < 0 || region.rule == Rule::connected) continue;
     ObjectJudgement& object = objects[static_cast<std::size_t>(region.object)];
     object.log_odds = found.log_odds + prior_log_odds(region.rule);
+    object.seen_to_move = is_seen_to_move(found);
     if (!still) continue;
     object.rule = Rule::kept;
     object.range.reset();

@@ -34,6 +34,7 @@ struct ObjectJudgement {
   std::vector<int> hands;           ///< person: detection indices of its hands
   std::int64_t track = -1;          ///< person: the same number in every frame; -1: not followed
   std::optional<float> log_odds;    ///< variant `evidence`: that it moves, class and all
+  bool seen_to_move = false;        ///< likewise: by what was seen alone (is_seen_to_move)
 };
 
 /// A frame's points and objects, judged.

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "ydd/detection/boxes.h"
-#include "ydd/dynamics/evidence_rules.h"
 
 namespace ydd {
 namespace {
@@ -194,12 +193,6 @@ bool is_followed(const ObjectJudgement& object) {
       return object.rule != Rule::kept;
   }
   return false;
-}
-
-/// Whether the evidence alone says so, whatever is presumed of it.
-bool is_seen_to_move(const ObjectJudgement& object) {
-  constexpr float kMoves = 1.0F;  // log-odds, as for the verdict of a cell
-  return object.log_odds && *object.log_odds - prior_log_odds(object.rule) > kMoves;
 }
 
 /// The depth of the head that was matched to a person; none: no head, or no reading on it.
@@ -400,7 +393,7 @@ std::vector<Sighting> find_sightings(const SightedFrame& frame, const Camera& ca
     sighting.image_track = object.track;
     sighting.moves = object.rule != Rule::kept;
     sighting.log_odds = object.log_odds;
-    sighting.sure = detection.sure || is_seen_to_move(object);
+    sighting.sure = detection.sure || object.seen_to_move;
     const Measured found{std::move(sighting), readings.size()};
     if (!is_told_already(objects, found)) objects.push_back(found);
   }
