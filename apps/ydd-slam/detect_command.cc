@@ -46,8 +46,6 @@ struct DetectRequest {
 /// What a detector saw in a sequence.
 struct DetectRun {
   std::vector<RecordedFrame> frames;
-  std::map<std::string, int> count_by_class;
-  std::map<std::string, int> sure_by_class;  ///< of those
   std::vector<double> detect_ms;
 };
 
@@ -97,10 +95,6 @@ Result<DetectRun> detect_all(const Sequence& sequence, const DetectRequest& requ
     Result<Detections> found = detector.detect(*frame);
     if (!found) return Error{fmt::format("{}: {}", request.detector, found.error().message)};
     run.detect_ms.push_back(static_cast<double>(wall_clock_ns() - start_ns) * 1e-6);
-    for (const Detection& d : *found) {
-      ++run.count_by_class[d.class_name];
-      run.sure_by_class[d.class_name] += d.sure ? 1 : 0;
-    }
     if (auto written = write_picture(request.pictures, *frame, *found, catalogue); !written) {
       return written.error();
     }
@@ -171,10 +165,20 @@ void print_summary(const DetectRun& run, const DetectRequest& request) {
   const SeriesStatistics ms = statistics_of(run.detect_ms);
   fmt::print("{} frames, {:.1f} ms each (median; 95 %: {:.1f})\n", run.frames.size(), ms.median,
              ms.p95);
-  for (const auto& [name, count] : run.count_by_class) {
-    const int sure = run.sure_by_class.at(name);
-    fmt::print("  {:<20} {}{}\n", name, count,
-               sure < count ? fmt::format(", {} of them sure", sure) : "");
+  struct Count {
+    int all = 0, sure = 0;
+  };
+  std::map<std::string, Count> by_class;
+  for (const RecordedFrame& frame : run.frames) {
+    for (const RecordedDetection& d : frame.detections) {
+      Count& count = by_class[d.detection.class_name];
+      ++count.all;
+      count.sure += d.detection.sure ? 1 : 0;
+    }
+  }
+  for (const auto& [name, count] : by_class) {
+    fmt::print("  {:<20} {}{}\n", name, count.all,
+               count.sure < count.all ? fmt::format(", {} of them sure", count.sure) : "");
   }
   fmt::print("detections in {}\n", request.out);
   if (!request.pictures.empty()) fmt::print("pictures in {}\n", request.pictures);

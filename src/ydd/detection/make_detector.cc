@@ -57,11 +57,11 @@ Result<void> check_named_classes(const NetworkConfig& network,
   for (const auto& [from, to] : network.rename) {
     if (auto known = check("rename", from); !known) return known;
   }
-  for (const auto& [name, threshold] : network.class_thresholds) {
-    if (auto known = check("class_thresholds", name); !known) return known;
-  }
-  for (const auto& [name, threshold] : network.sure_thresholds) {
-    if (auto known = check("sure_thresholds", name); !known) return known;
+  for (const auto& [key, thresholds] : {std::pair{"class_thresholds", &network.class_thresholds},
+                                        std::pair{"sure_thresholds", &network.sure_thresholds}}) {
+    for (const auto& [name, threshold] : *thresholds) {
+      if (auto known = check(key, name); !known) return known;
+    }
   }
   for (const std::string& name : network.keep) {
     if (auto known = check("keep", name); !known) return known;
