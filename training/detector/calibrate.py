@@ -17,7 +17,7 @@ import torch
 from torch import Tensor
 
 from .boxes import area, intersections, iou
-from .classes import CLASSES
+from .classes import CLASSES, by_class
 from .data import size
 from .evaluate import Picture, judged
 from .export import load
@@ -123,7 +123,7 @@ def threshold(s: np.ndarray, hit: np.ndarray, truths: int, precision: float, oth
 def sure(s: np.ndarray, hit: np.ndarray, number: np.ndarray, truths: int, precision: float) -> dict:
     """From which score on somebody may be told of a box; the share that is right and what is found of all, each
     half of the pictures by the score that the other half gave."""
-    of = lambda m: threshold(s[m], hit[m], truths, precision, MOST)
+    of = lambda m: threshold(s[m], hit[m], truths, precision, MOST) if truths >= FEW else MOST
     half = number.astype(int) % 2 == 0
     told = np.where(half, s >= of(~half), s >= of(half))
     return {
@@ -163,8 +163,7 @@ def main() -> None:
     cv2.setNumThreads(1)
     pictures = judged(args.judge)
     v = verdicts(Checkpoint(load(args.checkpoint).fuse(), args.size), pictures)
-    shares = lambda options: {p.split("=")[0]: float(p.split("=")[1]) for p in options}
-    r = summary(v, pictures, shares(args.precision), shares(args.sure))
+    r = summary(v, pictures, by_class(args.precision), by_class(args.sure))
     write_whole(args.out, json.dumps(r, indent=1) + "\n")
     for name in ("before", "crossed"):
         rows, error = r[name]

@@ -15,7 +15,7 @@ import numpy as np
 import torch
 
 from .boxes import area, intersections, iou
-from .classes import CLASSES
+from .classes import CLASSES, by_class
 from .data import LONGEST, size
 from .label_real import frames_of, truth
 from .graphs import ExactNetwork, ExactTeachers
@@ -233,8 +233,7 @@ def main() -> None:
     args = ap.parse_args()
     cv2.setNumThreads(1)
     torch.set_num_threads(1)
-    scores = lambda options: {t.split("=")[0]: float(t.split("=")[1]) for t in options}
-    thresholds, sure = Thresholds(scores(args.thresholds)), scores(args.sure)
+    thresholds, sure = Thresholds(by_class(args.thresholds)), by_class(args.sure)
     by = lambda s: f"{s[0]}x{s[1]}"
     ours = lambda model, s: ExactNetwork(model, "yolov5_heads", dict(enumerate(CLASSES)), s)
     nets = {f"ours {by(s)}": ours(args.model, s) for s in args.sizes}

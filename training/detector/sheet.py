@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from .boxes import area, intersections, iou
-from .classes import CLASSES
+from .classes import CLASSES, by_class
 from .data import size
 from .evaluate import Picture, eyeballed
 from .networks import Network, ours
@@ -70,7 +70,7 @@ def main() -> None:
     a("--thresholds", nargs="*", default=[], help="CLASS=SCORE; 0.3 for the others")
     a("--size", type=size, default=(416, 320))
     args = ap.parse_args()
-    thresholds = dict.fromkeys(CLASSES, 0.3) | {t.split("=")[0]: float(t.split("=")[1]) for t in args.thresholds}
+    thresholds = dict.fromkeys(CLASSES, 0.3) | by_class(args.thresholds)
     clips = eyeballed(args.eyeballed, args.data, set())
     net, tiles, faults = ours(args.model, args.size), [], 0
     for c in args.clips:

@@ -31,6 +31,9 @@ class Thresholds(unittest.TestCase):
         self.assertAlmostEqual(told["recall"], 6 / 24)
         self.assertEqual(told["score"], 0.6)
 
+    def test_of_a_class_with_few_boxes_hardly_one_is_sure(self) -> None:
+        self.assertEqual(sure(self.scores, self.hit, np.arange(6), 3, 0.9)["score"], MOST)
+
 
 if __name__ == "__main__":
     unittest.main()
